@@ -6,6 +6,7 @@
 #include <pty.h>
 #include <signal.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "tests/command.h"
@@ -126,6 +127,20 @@ static void test_forecast(void) {
   g_assert_cmpint(opcflow_call("run wants.yaml --variant big"), ==, 4);
   g_assert_nonnull(strstr(err, "requires 1000000000.0 GB of memory"));
   g_assert_null(strstr(err, "ran with 2"));
+}
+
+/* A plugin folder in which every user can write is reported. */
+static void test_open_folder(void) {
+  for (int open = 0; open < 2; open++) {
+    g_assert_cmpint(g_mkdir_with_parents("shared", 0755), ==, 0);
+    g_assert_cmpint(chmod("shared", open ? 0757 : 0755), ==, 0);
+    g_assert_cmpint(opcflow_call("check little.yaml --plugin-path shared"), ==,
+                    0);
+    g_assert_cmpint(strstr(err,
+                           "warning: every user can write to the plugin "
+                           "folder 'shared' (mode 757)") != NULL,
+                    ==, open);
+  }
 }
 
 /* ---- verbs of plugins ---- */
@@ -531,6 +546,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/command/stanza", test_stanza);
   g_test_add_func("/command/check", test_check);
   g_test_add_func("/command/forecast", test_forecast);
+  g_test_add_func("/command/open_folder", test_open_folder);
   g_test_add_func("/command/verb", test_verb);
   g_test_add_func("/command/verb-help", test_verb_help);
   g_test_add_func("/command/verb-faults", test_verb_faults);

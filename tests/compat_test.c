@@ -2,8 +2,9 @@
 /* Binary compatibility. Plugins kept as binaries (tests/compat) run in this
    opcflow, and in a build with an extended interface. In the extended
    interface, each extensible struct has one more member: a function of each
-   kind, a field of each declaration, a function of each service. A plugin built
-   with the extended interface also runs in this opcflow. */
+   kind, a field of each declaration, a function of each service; and the host
+   has one more service. A plugin built with the extended interface uses the
+   service there, and also runs in this opcflow, which lacks the service. */
 #include <glib.h>
 #include <store/files.h>
 #include <string.h>
@@ -90,12 +91,16 @@ static void test_command(void) {
   }
 }
 
-/* A plugin of a later minor version with the step of the flow `step`. */
+/* A plugin of a later minor version with the step of the flow `step`. The added
+   service doubles the metric `sum` of 30. */
 static void test_newer(void) {
   g_autofree char *got = run_flow(FALSE, "newer", "", "metrics.json");
   g_autofree char *wanted = read_file(kept, "step.json");
   g_auto(GStrv) steps = g_strsplit(wanted, "\n  },\n  \"inner\"", 2);
   g_assert_true(g_str_has_prefix(got, steps[0]));
+  g_autofree char *there = run_flow(TRUE, "newer", "", "metrics.json");
+  g_assert_nonnull(strstr(got, "\"value\" : 30.0"));
+  g_assert_nonnull(strstr(there, "\"value\" : 60.0"));
 }
 
 int main(int argc, char **argv) {

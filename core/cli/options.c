@@ -2,6 +2,7 @@
 /* Parses a command line by the options of a verb, and prints their help. */
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "core/cli/cli.h"
 #include "core/plugin/host.h"
@@ -24,9 +25,23 @@ void cli_look_first(const char *folder) {
   g_ptr_array_insert(folders, 0, (char *)folder);
 }
 
+/* Warn of folders in which every user could place a plugin, and so run code as
+   this user. */
+static void folders_check(const GPtrArray *list) {
+  struct stat s;
+  for (guint i = 0; i < list->len; i++)
+    if (!stat(list->pdata[i], &s) && (s.st_mode & S_IWOTH))
+      cli_message("warning",
+                  "every user can write to the plugin folder '%s' (mode %03o): "
+                  "its plugins run with your rights; use 'chmod o-w'",
+                  (const char *)list->pdata[i], s.st_mode & 0777);
+}
+
 opc_registry *cli_registry(void) {
   static opc_registry *registry;
-  if (!registry) registry = opc_registry_new(cli_list(folders));
+  if (registry) return registry;
+  registry = opc_registry_new(cli_list(folders));
+  folders_check(opc_registry_folders(registry));
   return registry;
 }
 

@@ -81,7 +81,7 @@ char *opc_table_cell(const opc_column *c, size_t row) {
   }
 }
 
-char *opc_table_heading(const opc_column *c) {
+static char *table_heading(const opc_column *c) {
   return c->unit && *c->unit ? g_strdup_printf("%s (%s)", c->name, c->unit)
                              : g_strdup(c->name);
 }
@@ -98,7 +98,7 @@ static opc_sheet *table_sheet(const opc_table *table, gboolean exact) {
       gboolean brief = row && !exact && c->type == OPC_REAL && c->decimals < 0;
       s->left[i] = c->type == OPC_TEXT;
       g_ptr_array_add(s->cells,
-                      !row ? opc_table_heading(c)
+                      !row ? table_heading(c)
                       : brief
                           ? opc_number_short(((const double *)c->data)[row - 1])
                           : opc_table_cell(c, row - 1));

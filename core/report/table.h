@@ -34,9 +34,6 @@ char *opc_table_cell(const opc_column *column, size_t row);
    "name (unit)". */
 char *opc_table_csv(const opc_table *table);
 
-/* Return the heading "name (unit)" (g_free). */
-char *opc_table_heading(const opc_column *column);
-
 /* Return the table as opc_sheet_text does (g_free; base/sheet.h). Numbers have
    all digits if `width` is 0, else six. */
 char *opc_table_text(const opc_table *table, size_t width);

@@ -55,13 +55,13 @@ static void put_given(const opc_inner *in, opc_run *run) {
 
 /* ---- running: messages and progress ---- */
 
-/* Pass on a message. Messages of the level info or above are passed on only for
-   a run that is kept, because all points log similar messages. */
+/* Pass on a message of a run that is kept. The other points log similar
+   messages, which are dropped. */
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
   const opc_inner_runs *runs = data;
   const opc_watch *watch = &runs->outer->listener.watch;
-  if (!runs->verbose && level >= OPC_LOG_INFO) return;
+  if (!runs->verbose) return;
   g_autofree char *whole =
       g_strdup_printf("%s.%s", runs->in->binding->path, path);
   watch->log(watch->data, whole, level, message);

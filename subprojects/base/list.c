@@ -3,6 +3,7 @@
 #include <base/list.h>
 
 #include <base/file.h>
+#include <base/sheet.h>
 #include <string.h>
 
 /* The limits of a flow file. */
@@ -59,6 +60,7 @@ static opc_node *read_cell(csv *c) {
                     MOST_CELLS);
     return NULL;
   }
+  opc_cell_unmark(text->str);
   opc_node *node =
       opc_node_text_new(c->source, quoted ? text->str : g_strstrip(text->str));
   node->plain = !quoted;

@@ -231,13 +231,58 @@ char *opc_sheet_markdown(opc_sheet *s) {
 
 /* ---- CSV ---- */
 
-static void append_field(GString *out, const char *text) {
-  g_autoptr(GString) quoted = g_string_new(text);
-  g_string_replace(quoted, "\"", "\"\"", 0);
-  if (strpbrk(text, ",\"\r\n"))
-    g_string_append_printf(out, "\"%s\"", quoted->str);
+/* Return whether a text is a number with or without a unit, or a sign. */
+static gboolean is_quantity(const char *text) {
+  char *end;
+  (void)g_ascii_strtod(text, &end);
+  if (end == text)
+    end += *end == '-' || *end == '+';
   else
-    g_string_append(out, text);
+    end += strspn(end, " %abcdefghijklmnopqrstuvwxyzACFHVW");
+  return !*end;
+}
+
+static gboolean is_control(char c) {
+  return (guchar)c < ' ' ? c != '\r' && c != '\n' : c == 0x7f;
+}
+
+static gboolean needs_mark(const char *text) {
+  if (*text && strchr("=@'", *text)) return TRUE;
+  if ((*text == '+' || *text == '-') && !is_quantity(text)) return TRUE;
+  while (*text && !is_control(*text)) text++;
+  return *text != 0;
+}
+
+static void append_field(GString *out, const char *text) {
+  g_autoptr(GString) cell = g_string_new(needs_mark(text) ? "'" : NULL);
+  gboolean marked = cell->len > 0;
+  for (; *text; text++)
+    if (marked && is_control(*text))
+      g_string_append_printf(cell, "\\x%02x", *text);
+    else
+      g_string_append_printf(cell, marked && *text == '\\' ? "\\%c" : "%c",
+                             *text);
+  gboolean quoted = strpbrk(cell->str, ",\"\r\n") != NULL;
+  g_string_replace(cell, "\"", "\"\"", 0);
+  g_string_append_printf(out, quoted ? "\"%s\"" : "%s", cell->str);
+}
+
+void opc_cell_unmark(char *text) {
+  char *to = text;
+  if (*text != '\'') return;
+  for (const char *at = text + 1; *at; at++) {
+    if (*at == '\\' && at[1] == '\\') {
+      at++;
+    } else if (*at == '\\' && at[1] == 'x' && g_ascii_isxdigit(at[2]) &&
+               g_ascii_isxdigit(at[3])) {
+      *to++ = (char)(16 * g_ascii_xdigit_value(at[2]) +
+                     g_ascii_xdigit_value(at[3]));
+      at += 3;
+      continue;
+    }
+    *to++ = *at;
+  }
+  *to = 0;
 }
 
 char *opc_sheet_csv(const opc_sheet *s) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include <base/sheet.h>
+#include <string.h>
 
 static opc_sheet *sample_sheet(void) {
   static const char *const cells[] = {"name", "size",   "a,\"b\"",
@@ -21,6 +22,37 @@ static void test_csv(void) {
   g_assert_cmpstr(nothing, ==, "");
 }
 
+/* Cells that a spreadsheet would execute are marked, and read back unchanged;
+   quantities are not marked. */
+static void test_marks(void) {
+  static const char *const cells[][2] = {
+      {"=1+1", "'=1+1"},
+      {"+cmd|' /C'!A0", "'+cmd|' /C'!A0"},
+      {"-2+3", "'-2+3"},
+      {"@SUM(A1)", "'@SUM(A1)"},
+      {"'a", "''a"},
+      {"a\tb\\\x1b[0m", "'a\\x09b\\\\\\x1b[0m"},
+      {"-3.5e-7", "-3.5e-7"},
+      {"-3 %", "-3 %"},
+      {"+20 nm", "+20 nm"},
+      {"-inf", "-inf"},
+      {"-", "-"},
+      {"a=b\\x41", "a=b\\x41"},
+      {"=\\x41,", "\"'=\\\\x41,\""}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cells); i++) {
+    g_autoptr(opc_sheet) s = opc_sheet_new(1);
+    g_ptr_array_add(s->cells, g_strdup(cells[i][0]));
+    g_autofree char *csv = opc_sheet_csv(s);
+    g_autofree char *expected = g_strconcat(cells[i][1], "\r\n", NULL);
+    g_assert_cmpstr(csv, ==, expected);
+    gboolean quoted = *csv == '"';
+    g_autofree char *cell =
+        g_strndup(csv + quoted, strlen(csv) - 2 - 2 * (gsize)quoted);
+    opc_cell_unmark(cell);
+    g_assert_cmpstr(cell, ==, cells[i][0]);
+  }
+}
+
 static void test_text(void) {
   g_autoptr(opc_sheet) s = sample_sheet();
   g_autofree char *text = opc_sheet_text(s, 0);
@@ -37,6 +69,7 @@ static void test_text(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/sheet/csv", test_csv);
+  g_test_add_func("/sheet/marks", test_marks);
   g_test_add_func("/sheet/text", test_text);
   return g_test_run();
 }

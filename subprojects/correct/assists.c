@@ -20,8 +20,8 @@ static eda_sraf_edge edge_of(const eda_gates *g, size_t i, int high) {
   return e;
 }
 
-static int32_t grid_steps(const loop *l, double nm) {
-  return (int32_t)lround(fmin(nm / l->gates->grid, 1e6));
+int32_t correct_steps(const eda_gates *gates, double nm) {
+  return (int32_t)lround(fmin(nm / gates->grid, 1e6));
 }
 
 static void assists_show(loop *l) {
@@ -61,12 +61,13 @@ int correct_assists_begin(loop *l, opc_error *error) {
                     "'assist' does not apply to '%s', which dissects the poly "
                     "layer: remove 'assist'",
                     l->drivers[MAIN].module->id);
-  const eda_sraf_rule rule = {.rows = (int32_t)a->rows,
-                              .width = grid_steps(l, a->width),
-                              .distance = grid_steps(l, a->distance),
-                              .space = grid_steps(l, a->space),
-                              .min_length = grid_steps(l, a->min_length),
-                              .overhang = grid_steps(l, a->overhang)};
+  const eda_sraf_rule rule = {
+      .rows = (int32_t)a->rows,
+      .width = correct_steps(l->gates, a->width),
+      .distance = correct_steps(l->gates, a->distance),
+      .space = correct_steps(l->gates, a->space),
+      .min_length = correct_steps(l->gates, a->min_length),
+      .overhang = correct_steps(l->gates, a->overhang)};
   if (rule.width < 1)
     return opc_fail(
         error, OPC_INVALID, "assist_width",

@@ -23,10 +23,6 @@ static const double thinner = 2;
    iterations and 4 % wider without an iteration. */
 static const int settles = 4;
 
-static int32_t grid_steps(const loop *l, double nm) {
-  return (int32_t)lround(fmin(nm / l->gates->grid, 1e6));
-}
-
 static void search_show(loop *l) {
   correct_trial_set_boxes(
       &l->next.assists[EDA_POLY],
@@ -195,12 +191,12 @@ static int search_round(loop *l, opc_error *error) {
   const eda_sraf_limits rule = {
       .most = (size_t)(s->most * (s->round + 1) / s->rounds),
       .min_gain = s->min_gain,
-      .least_width = grid_steps(l, s->least_width),
-      .most_width = grid_steps(l, s->width),
-      .least_length = grid_steps(l, s->min_length),
-      .most_length = grid_steps(l, s->length),
-      .distance = grid_steps(l, s->distance),
-      .space = grid_steps(l, s->space)};
+      .least_width = correct_steps(l->gates, s->least_width),
+      .most_width = correct_steps(l->gates, s->width),
+      .least_length = correct_steps(l->gates, s->min_length),
+      .most_length = correct_steps(l->gates, s->length),
+      .distance = correct_steps(l->gates, s->distance),
+      .space = correct_steps(l->gates, s->space)};
   eda_field map;
   int code = make_map(l, &map, error);
   if (code) return code;
@@ -223,10 +219,10 @@ static int search_round(loop *l, opc_error *error) {
 int correct_search_watch(loop *l, int done, opc_error *error) {
   sraf_search_state *s = &l->search;
   if (!s->most) return OPC_OK;
-  size_t changed =
-      eda_srafs_narrow(l->host->context, &s->srafs, &l->printer.print[EDA_POLY],
-                       l->gates->grid, s->margin, grid_steps(l, thinner),
-                       grid_steps(l, s->least_width), &s->dropped);
+  size_t changed = eda_srafs_narrow(
+      l->host->context, &s->srafs, &l->printer.print[EDA_POLY], l->gates->grid,
+      s->margin, correct_steps(l->gates, thinner),
+      correct_steps(l->gates, s->least_width), &s->dropped);
   int code = OPC_OK;
   if (s->round < s->rounds && (done || l->iterations >= s->next)) {
     code = search_round(l, error);

@@ -451,9 +451,9 @@ static void write_head(const drawing *d) {
   g_string_append_c(d->out, ']');
 }
 
-int drawing_write(const opc_context *context, const eda_mask *mask,
-                  const drawing_limits *limits, GString *out,
-                  opc_error *error) {
+static int drawing_write(const opc_context *context, const eda_mask *mask,
+                         const drawing_limits *limits, GString *out,
+                         opc_error *error) {
   const eda_gates *g = mask->gates;
   drawing d = {.context = context, .mask = mask, .out = out};
   if (g->extent.x0 >= g->extent.x1 || g->extent.y0 >= g->extent.y1)

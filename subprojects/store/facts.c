@@ -90,8 +90,12 @@ static guint facts_compare(const comparison *c, const fact *a, gsize n_a,
   return n;
 }
 
-char *opc_facts_difference(GVariant *before, GVariant *now, opc_fact_text *text,
-                           const void *data, guint *count) {
+/* Return a description of the differences between two lists (g_free): at most
+   three changed or new facts, at most three missing facts, and the number of
+   others. *count receives the number of differences. */
+static char *facts_difference(GVariant *before, GVariant *now,
+                              opc_fact_text *text, const void *data,
+                              guint *count) {
   const comparison c = {text, data, g_string_new(NULL)};
   g_autoptr(GHashTable) old = g_hash_table_new(fact_hash, fact_equal);
   g_autoptr(GHashTable) new = g_hash_table_new(fact_hash, fact_equal);
@@ -123,7 +127,7 @@ char *opc_facts_reason(opc_store *store, const char *name, GVariant *now,
   for (gsize i = 0; all && i < g_variant_n_children(all); i++) {
     g_autoptr(GVariant) before = g_variant_get_child_value(all, i);
     guint count;
-    char *why = opc_facts_difference(before, now, text, data, &count);
+    char *why = facts_difference(before, now, text, data, &count);
     if (!count) {
       g_free(why);
       why = g_strdup("the stored result was removed");

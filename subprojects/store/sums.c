@@ -131,14 +131,9 @@ gboolean opc_store_same(opc_store *store, const char *path, const char *sum) {
 
 /* ---- shared objects ---- */
 
-static const char *base_of(const char *path) {
-  const char *slash = strrchr(path, '/');
-  return slash ? slash + 1 : path;
-}
-
 static struct link_map *find_object(struct link_map *any, const char *name) {
   while (any->l_prev) any = any->l_prev;
-  while (any && strcmp(base_of(any->l_name), name)) any = any->l_next;
+  while (any && strcmp(basename(any->l_name), name)) any = any->l_next;
   return any;
 }
 

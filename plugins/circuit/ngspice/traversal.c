@@ -83,26 +83,16 @@ void traversal_command(const machine *m, const traversal *w, FILE *out) {
 
 /* ---- recurrent states ---- */
 
-/* Mark all states that lead to marked states. */
-static void mark_before(const machine *m, size_t inputs, uint8_t *mark) {
+/* Mark all states that are reached from marked states, or lead to them. */
+static void mark_all(const machine *m, size_t inputs, int reached,
+                     uint8_t *mark) {
   for (int more = 1; more;) {
     more = 0;
     for (size_t s = 0; s < m->states; s++)
-      for (size_t i = 0; i < inputs && !mark[s]; i++) {
+      for (size_t i = 0; i < inputs; i++) {
         uint32_t t = m->next[s * inputs + i];
-        if (t < STATE_LOST && mark[t]) mark[s] = more = 1;
-      }
-  }
-}
-
-/* Mark all states reached from marked states. */
-static void mark_after(const machine *m, size_t inputs, uint8_t *mark) {
-  for (int more = 1; more;) {
-    more = 0;
-    for (size_t s = 0; s < m->states; s++)
-      for (size_t i = 0; i < inputs && mark[s]; i++) {
-        uint32_t t = m->next[s * inputs + i];
-        if (t < STATE_LOST && !mark[t]) mark[t] = more = 1;
+        if (t >= STATE_LOST || mark[s] == mark[t]) continue;
+        if (mark[reached ? s : t]) mark[reached ? t : s] = more = 1;
       }
   }
 }
@@ -124,8 +114,8 @@ void states_leading_to(const bench *b, const machine *m, uint8_t *kept) {
     memset(kept, 0, m->states);
     memset(before, 0, m->states);
     kept[c] = before[c] = 1;
-    mark_after(m, inputs, kept);
-    mark_before(m, inputs, before);
+    mark_all(m, inputs, 1, kept);
+    mark_all(m, inputs, 0, before);
     for (c = 0; c < m->states; c++)
       if (kept[c] && !before[c] && !is_end(m, inputs, c)) break;
   }

@@ -8,8 +8,8 @@
 
 #include "tables.h"
 
-const char *const verdict_words[VERDICTS] = {"better", "worse", "same",
-                                             "differs", "missing"};
+static const char *const verdict_words[VERDICTS] = {"better", "worse", "same",
+                                                    "differs", "missing"};
 
 /* ---- choosing ---- */
 

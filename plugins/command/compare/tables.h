@@ -9,7 +9,6 @@
 enum { SORT_FILE, SORT_NAME, SORT_CHANGE, SORT_VERDICT };
 
 enum { BETTER, WORSE, SAME, DIFFERS, MISSING, VERDICTS };
-extern const char *const verdict_words[VERDICTS];
 
 typedef struct comparison {
   const opc_host *host;

@@ -199,7 +199,7 @@ static void work_init(const chip *c, eda_chip *out, work *w) {
               .worst = NAN};
 }
 
-void work_clear(work *w) {
+static void work_clear(work *w) {
   free(w->found);
   free(w->first);
   free(w->before);

@@ -60,7 +60,6 @@ typedef struct work {
   uint32_t *print_first; /* [prints], the simulated transistor */
   size_t print_capacity;
   uint8_t *tried; /* [prints], 1: was corrected individually */
-  size_t tried_capacity;
 
   faults *faults; /* violations of all prints */
 
@@ -69,8 +68,6 @@ typedef struct work {
   double worst;       /* largest |Ion deviation| so far, % */
   double share, done; /* progress: share of this phase; done before it */
 } work;
-
-void work_clear(work *work);
 
 /* Find all transistors window by window and group them into classes. Fills
    chip->gate and `first`. (scan.c) */

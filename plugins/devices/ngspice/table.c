@@ -30,14 +30,9 @@ static void put_list(FILE *out, const double *value, size_t n, int exponent,
   fputc(']', out);
 }
 
-static const char *file_name(const char *path) {
-  const char *slash = strrchr(path, '/');
-  return slash ? slash + 1 : path;
-}
-
 static void put_source(FILE *out, const plan *p, const currents *c) {
   char text[1024];
-  int n = snprintf(text, sizeof text, "%.200s", file_name(p->path[EDA_NMOS]));
+  int n = snprintf(text, sizeof text, "%.200s", basename(p->path[EDA_NMOS]));
   if (p->models)
     n +=
         snprintf(text + n, sizeof text - (size_t)n, " %.60s%s%.100s and %.100s",
@@ -45,14 +40,14 @@ static void put_source(FILE *out, const plan *p, const currents *c) {
                  p->model[EDA_NMOS], p->model[EDA_PMOS]);
   else if (strcmp(p->path[EDA_NMOS], p->path[EDA_PMOS]))
     n += snprintf(text + n, sizeof text - (size_t)n, " and %.200s",
-                  file_name(p->path[EDA_PMOS]));
+                  basename(p->path[EDA_PMOS]));
   for (size_t i = 0; i < p->overrides.count && n < 900; i++)
     n += snprintf(text + n, sizeof text - (size_t)n, "%s%.32s = %.32s",
                   i ? ", " : " with ", p->overrides.pairs[i].key,
                   p->overrides.pairs[i].value);
   snprintf(text + n, sizeof text - (size_t)n, ", simulated with %s%s%.100s",
            c->simulator, p->osdi ? " and " : "",
-           p->osdi ? file_name(p->osdi) : "");
+           p->osdi ? basename(p->osdi) : "");
   fputs("source: ", out);
   put_text(out, text);
   fputc('\n', out);

@@ -105,11 +105,6 @@ static eda_colour colour_of(const drawer *d, double v, double range) {
                             : eda_diverging((v / range + 1) / 2);
 }
 
-static uint32_t rgb_of(eda_colour c) {
-  return (uint32_t)lround(255 * c.r) << 16 | (uint32_t)lround(255 * c.g) << 8 |
-         (uint32_t)lround(255 * c.b);
-}
-
 static int raster_paint(const drawer *d, const eda_paper *paper,
                         const raster *r, double left, double top, double range,
                         opc_error *error) {
@@ -120,13 +115,13 @@ static int raster_paint(const drawer *d, const eda_paper *paper,
     return opc_fail(error, OPC_FAILED, NULL, "no picture of %d x %d pixels",
                     r->width, r->height);
   }
-  uint32_t faint = rgb_of(eda_faint);
+  uint32_t faint = eda_colour_packed(eda_faint);
   unsigned char *data = cairo_image_surface_get_data(s);
   size_t stride = (size_t)cairo_image_surface_get_stride(s);
   for (int y = 0; y < r->height; y++)
     for (int x = 0; x < r->width; x++) {
       double v = r->value[(size_t)y * (size_t)r->width + (size_t)x];
-      uint32_t c = isnan(v) ? faint : rgb_of(colour_of(d, v, range));
+      uint32_t c = isnan(v) ? faint : eda_colour_packed(colour_of(d, v, range));
       memcpy(data + (size_t)y * stride + 4 * (size_t)x, &c, 4);
     }
   cairo_surface_mark_dirty(s);

@@ -50,11 +50,6 @@ typedef struct pixels {
   unsigned char *data;
 } pixels;
 
-static uint32_t colour_packed(eda_colour c) {
-  return (uint32_t)lround(255 * c.r) << 16 | (uint32_t)lround(255 * c.g) << 8 |
-         (uint32_t)lround(255 * c.b);
-}
-
 /* Return 1 for a position within the frame. The periodic image outside of the
    frame is not shown. */
 static int frame_contains(eda_frame f, double x, double y) {
@@ -78,7 +73,7 @@ static void paint_row(void *data, size_t row) {
     for (int i = 0; i < n; i++)
       out[first + i] =
           frame_contains(image->frame, x[i], y[i])
-              ? colour_packed(eda_sequential(value[i] / p->run->brightest))
+              ? eda_colour_packed(eda_sequential(value[i] / p->run->brightest))
               : BEYOND;
   }
 }

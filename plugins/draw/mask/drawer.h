@@ -54,10 +54,5 @@ void drawer_choose_insets(drawer *d);
 double drawer_insets_height(const drawer *d);
 int drawer_put_insets(const drawer *d, opc_error *error);
 
-/* ---- mask.c ---- */
-
-/* Return 1 if the scale is too small for lines. */
-int drawer_is_coarse(const view *v);
-
 /* Draw the layout in the window of d->view. */
 int drawer_paint(const drawer *d, opc_error *error);

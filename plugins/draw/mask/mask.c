@@ -16,7 +16,8 @@ static const double coarse = 0.05;
 
 /* ---- work: content ---- */
 
-int drawer_is_coarse(const view *v) { return v->scale < coarse; }
+/* Return 1 if the scale is too small for lines. */
+static int drawer_is_coarse(const view *v) { return v->scale < coarse; }
 
 /* Return 1 if the window or an inset shows lines. */
 static int shows_lines(const drawer *d) {

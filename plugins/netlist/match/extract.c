@@ -31,21 +31,6 @@ typedef struct extractor {
 
 /* ---- nets ---- */
 
-static uint32_t group_root(const extractor *x, uint32_t i) {
-  uint32_t *parent = x->parent;
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
-static void groups_join(extractor *x, uint32_t a, uint32_t b) {
-  a = group_root(x, a);
-  b = group_root(x, b);
-  if (a < b)
-    x->parent[b] = a;
-  else
-    x->parent[a] = b;
-}
-
 /* ---- loading ---- */
 
 /* Polygons of a group to be divided into rectangles. */
@@ -231,7 +216,8 @@ static void connect_layers(extractor *x, int from, int to) {
     search s = search_begin(x, to, c->box[i], c->group[i]);
     for (uint32_t k; search_next(&s, &k);)
       if (from == to ? s.dx > 0 || s.dy > 0 : s.dx > 0 && s.dy > 0)
-        groups_join(x, x->first[from] + (uint32_t)i, x->first[to] + k);
+        eda_sets_join(x->parent, x->first[from] + (uint32_t)i,
+                      x->first[to] + k);
   }
 }
 
@@ -350,7 +336,7 @@ static int load_labels(extractor *x) {
     if (*before == UINT32_MAX)
       *before = l->net;
     else
-      groups_join(x, l->net, *before);
+      eda_sets_join(x->parent, l->net, *before);
   }
   return OPC_OK;
 }
@@ -366,13 +352,13 @@ static void number_nets(extractor *x) {
     if (t->gate == UINT32_MAX) continue;
     uint32_t *each[3] = {&t->gate, &t->low, &t->high};
     for (int k = 0; k < 3; k++) {
-      uint32_t at = group_root(x, *each[k]);
+      uint32_t at = eda_set_root(x->parent, *each[k]);
       if (net[at] == UINT32_MAX) net[at] = (uint32_t)j->nets++;
       *each[k] = net[at];
     }
   }
   for (size_t i = 0; i < j->labels; i++)
-    j->label[i].net = net[group_root(x, j->label[i].net)];
+    j->label[i].net = net[eda_set_root(x->parent, j->label[i].net)];
 }
 
 int match_extract(match_task *j) {

@@ -90,11 +90,7 @@ static const opc_parameter parameters[] = {
         "init_adjust_table", dpb, table_path, .type = OPC_FILE,
         .summary = "CSV table of first corrections by L and W; the row of the "
                    "nearest L, then of the nearest W applies"),
-    OPC_PARAMETER(
-        dpb, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
-        .unit = "nm", .follows = "0.311 lambda/NA", .max = 10000,
-        .summary =
-            "largest correction of L or W; W moves by at most half of W"),
+    EDA_MAX_BIAS(dpb),
     OPC_PARAMETER_NAMED("w_step", dpb, proportional, .type = OPC_CHOICE,
                         .preset = "proportional",
                         .choices = "unit|proportional",

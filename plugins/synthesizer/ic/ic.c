@@ -269,11 +269,7 @@ static const opc_parameter parameters[] = {
         .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 100000,
         .summary = "number of failed corrections after which a transistor ends "
                    "at the best state (stall: continue)"),
-    OPC_PARAMETER(
-        ic, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
-        .unit = "nm", .follows = "0.311 lambda/NA", .max = 10000,
-        .summary =
-            "largest correction of L or W; W moves by at most half of W"),
+    EDA_MAX_BIAS(ic),
 };
 
 /* Compute the defaults of parameters that are not set. */

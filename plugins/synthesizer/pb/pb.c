@@ -125,11 +125,7 @@ static const opc_parameter parameters[] = {
         .follows = "ion_limit of the step", .former = "max_tpe|limit",
         .summary = "largest allowed |deviation| of the corrected current; a "
                    "transistor within the limit keeps the mask"),
-    OPC_PARAMETER(
-        pb, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
-        .unit = "nm", .follows = "0.311 lambda/NA", .max = 10000,
-        .summary =
-            "largest correction of L or W; W moves by at most half of W"),
+    EDA_MAX_BIAS(pb),
 };
 
 /* Compute the defaults of parameters that are not set. */

@@ -239,13 +239,7 @@ static const opc_parameter parameters[] = {
         study, dlc, .type = OPC_BOOL, .preset = "true",
         .summary =
             "use a separate length for the gate capacitance (thesis eq. 3.11)"),
-    OPC_PARAMETER(study, supply, .type = OPC_REAL, .unit = "V",
-                  .flags = OPC_REQUIRED | OPC_ABOVE | OPC_AT_MOST, .min = 0,
-                  .max = 20, .summary = "supply voltage"),
-    OPC_PARAMETER(study, temperature, .type = OPC_REAL, .unit = "C",
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "27 C",
-                  .min = -200, .max = 300,
-                  .summary = "temperature of the transistors"),
+    EDA_CONDITIONS(study),
     OPC_PARAMETER(
         study, slews, .type = OPC_REALS, .unit = "s",
         .preset = "[2 ps, 5 ps, 10 ps, 22 ps, 70 ps]",

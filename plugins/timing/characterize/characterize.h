@@ -114,9 +114,11 @@ typedef struct deck {
   opc_error error;
 } deck;
 
-/* Simulate until every output has settled. Sets d->code and d->error on
-   failure. [any] */
-void deck_run(deck *d);
+/* Simulate `count` decks in parallel, each until every output has settled, and
+   count the copies in s->simulated. Returns the first error. */
+int decks_run(study *s, deck *decks, size_t count, opc_error *error);
+/* Free the copies of the decks and set *count to 0. */
+void decks_clear(deck *decks, size_t *count);
 
 /* ---- measure.c ---- */
 

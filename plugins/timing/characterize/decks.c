@@ -309,7 +309,8 @@ static size_t run_once(deck *d, const char *text, span of) {
   return missing;
 }
 
-void deck_run(deck *d) {
+static void deck_run(void *decks, size_t which) {
+  deck *d = (deck *)decks + which;
   char *text = deck_text(d);
   span of = span_of(d);
   size_t missing = run_once(d, text, of);
@@ -329,4 +330,20 @@ void deck_run(deck *d) {
         &d->error, OPC_FAILED, NULL,
         "cell '%.100s': an output does not follow the input within %.3g ns",
         d->copy[0].cell->name, of.window * 1e9);
+}
+
+int decks_run(study *s, deck *decks, size_t count, opc_error *error) {
+  opc_parallel(s->host->context, count, deck_run, decks);
+  for (size_t i = 0; i < count; i++) {
+    s->simulated += decks[i].count;
+    if (!decks[i].code) continue;
+    *error = decks[i].error;
+    return error->code;
+  }
+  return OPC_OK;
+}
+
+void decks_clear(deck *decks, size_t *count) {
+  for (size_t i = 0; i < *count; i++) free(decks[i].copy);
+  *count = 0;
 }

@@ -251,11 +251,6 @@ static void take_pin(const plan *p, const copy *base, const copy *c) {
 
 /* ---- a cell ---- */
 
-static void run_deck(void *data, size_t i) {
-  plan *p = data;
-  deck_run(&p->deck[i]);
-}
-
 static void take_all(const plan *p) {
   const copy *base = NULL;
   for (size_t i = 0; i < p->count; i++)
@@ -271,27 +266,11 @@ static void take_all(const plan *p) {
     }
 }
 
-static void clear_decks(plan *p) {
-  for (size_t i = 0; i < p->count; i++) free(p->deck[i].copy);
-  p->count = 0;
-}
-
-static int run_all(plan *p, opc_error *error) {
-  opc_parallel(p->s->host->context, p->count, run_deck, p);
-  for (size_t i = 0; i < p->count; i++) {
-    p->s->simulated += p->deck[i].count;
-    if (!p->deck[i].code) continue;
-    *error = p->deck[i].error;
-    return error->code;
-  }
-  return OPC_OK;
-}
-
 /* Run the planned decks and store their results. */
 static int plan_settle(plan *p, opc_error *error) {
-  int code = run_all(p, error);
+  int code = decks_run(p->s, p->deck, p->count, error);
   if (!code) take_all(p);
-  clear_decks(p);
+  decks_clear(p->deck, &p->count);
   return code;
 }
 
@@ -398,10 +377,10 @@ int cells_check(study *s, verdict *out, opc_error *error) {
   uint64_t seed = (uint64_t)s->seed;
   plan p = {.s = s, .count = n, .deck = eda_alloc(n, sizeof(deck))};
   for (size_t i = 0; i < n; i++) plan_check(s, &seed, &p.deck[i]);
-  int code = run_all(&p, error);
+  int code = decks_run(s, p.deck, p.count, error);
   *out = (verdict){0};
   for (size_t i = 0; i < n && !code; i++) deck_judge(&p.deck[i], out);
-  clear_decks(&p);
+  decks_clear(p.deck, &p.count);
   free(p.deck);
   if (!out->points) return code;
   out->delay_rms = sqrt(out->delay_rms / (double)n);

@@ -202,24 +202,8 @@ static void take_point(work *w, const point *at) {
   }
 }
 
-static void run_deck(void *data, size_t i) {
-  work *w = data;
-  deck_run(&w->deck[i]);
-}
-
-static int run_all(work *w, opc_error *error) {
-  opc_parallel(w->s->host->context, w->count, run_deck, w);
-  for (size_t k = 0; k < w->count; k++) {
-    w->s->simulated += w->deck[k].count;
-    if (!w->deck[k].code) continue;
-    *error = w->deck[k].error;
-    return error->code;
-  }
-  return OPC_OK;
-}
-
 static void work_clear(work *w) {
-  for (size_t k = 0; k < w->count; k++) free(w->deck[k].copy);
+  decks_clear(w->deck, &w->count);
   free(w->deck);
 }
 
@@ -235,7 +219,7 @@ static int measure_pairs(study *s, eda_timing_cell *c, opc_error *error) {
                     .gap = i % EDA_TIMING_GAPS};
     plan_point(&w, &at[i]);
   }
-  int code = run_all(&w, error);
+  int code = decks_run(s, w.deck, w.count, error);
   for (size_t i = 0; i < n && !code; i++) take_point(&w, &at[i]);
   work_clear(&w);
   free(at);
@@ -261,7 +245,7 @@ static int measure_pins(study *s, eda_timing_cell *c, opc_error *error) {
     deck *d = deck_for(&w, slew, rises);
     EDA_PUSH(d->copy, d->count, d->capacity, one);
   }
-  int code = run_all(&w, error);
+  int code = decks_run(s, w.deck, w.count, error);
   for (size_t i = 0; i < w.count && !code; i++)
     for (size_t k = 0; k < w.deck[i].count; k++) {
       const copy *found = &w.deck[i].copy[k];

@@ -110,7 +110,7 @@ static void find_ends(const delays *d, size_t s, double *longest,
   }
 }
 
-spread spread_of(const delays *d, size_t s) {
+static spread spread_of(const delays *d, size_t s) {
   spread r = {.lowest = (double)NAN, .highest = (double)NAN};
   double sum = 0, squares = 0, longest[2], shortest[2];
   for (size_t i = 0; i < d->count; i++) {

@@ -133,7 +133,6 @@ typedef struct spread {
   double longest, shortest;           /* deviation of the longest and of the
                                          shortest delay */
 } spread;
-spread spread_of(const delays *d, size_t s);
 int delays_report(paths *p, const delays *d, opc_error *error);
 int draw_histogram(const paths *p, const delays *d, const char *path,
                    opc_error *error);

@@ -115,15 +115,11 @@ static void begin_cell(void *self, int32_t cell, const char *name) {
 
 /* Return 1 if p is a rectangle whose centre is on the grid. */
 static int is_box(const eda_point *p, size_t n) {
-  if (n != 4) return 0;
-  int first = p[0].y == p[1].y && p[1].x == p[2].x && p[2].y == p[3].y &&
-              p[3].x == p[0].x;
-  int other = p[0].x == p[1].x && p[1].y == p[2].y && p[2].x == p[3].x &&
-              p[3].y == p[0].y;
+  if (!eda_is_box(p, n)) return 0;
   int64_t x = (int64_t)p[0].x + p[2].x, y = (int64_t)p[0].y + p[2].y;
   int64_t l = (int64_t)p[0].x - p[2].x, h = (int64_t)p[0].y - p[2].y;
-  return (first || other) && x % 2 == 0 && y % 2 == 0 &&
-         llabs(l) <= INT32_MAX && llabs(h) <= INT32_MAX;
+  return x % 2 == 0 && y % 2 == 0 && llabs(l) <= INT32_MAX &&
+         llabs(h) <= INT32_MAX;
 }
 
 static void put_polygon(void *self, const eda_point *p, size_t n) {

@@ -4,6 +4,7 @@
    of Brewer. Intensities: YlGnBu of Brewer. The colours are distinguishable
    with all common forms of colour blindness. */
 #include <eda/drawing.h>
+#include <math.h>
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
@@ -69,4 +70,9 @@ eda_colour eda_diverging(double t) {
 
 eda_colour eda_sequential(double t) {
   return colour_between(sequential, COUNT(sequential), t);
+}
+
+uint32_t eda_colour_packed(eda_colour c) {
+  return (uint32_t)lround(255 * c.r) << 16 | (uint32_t)lround(255 * c.g) << 8 |
+         (uint32_t)lround(255 * c.b);
 }

@@ -11,13 +11,6 @@
    of one repetition. */
 enum { MANY = 1 << 19, MEMBERS = 1 << 16 };
 
-static int is_box(const eda_point *p, size_t n) {
-  return n == 4 && ((p[0].x == p[1].x && p[1].y == p[2].y && p[2].x == p[3].x &&
-                     p[3].y == p[0].y) ||
-                    (p[0].y == p[1].y && p[1].x == p[2].x && p[2].y == p[3].y &&
-                     p[3].x == p[0].x));
-}
-
 static void shape_add(eda_oasis *out, const eda_point *points, size_t n) {
   eda_grow(&out->shapes, &out->capacity_shapes, out->n_shapes + 1,
            sizeof *out->shapes);
@@ -25,7 +18,7 @@ static void shape_add(eda_oasis *out, const eda_point *points, size_t n) {
            sizeof *out->steps);
   oasis_shape *s = &out->shapes[out->n_shapes++];
   *s = (oasis_shape){points[0], (uint32_t)n, out->n_steps};
-  if (is_box(points, n)) {
+  if (eda_is_box(points, n)) {
     eda_point a = points[0], b = points[2];
     eda_point low = {a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y};
     s->at = low;

@@ -30,15 +30,15 @@ static int check_gates(const eda_chip *c, opc_error *error) {
   for (size_t i = 0; i < c->count; i++) {
     const eda_chip_gate *g = &c->gate[i];
     if (g->box.x0 >= g->box.x1 || g->box.y0 >= g->box.y1)
-      return unsound(error, "transistor %zu has no size", i);
+      return unsound(error, "transistor %zu has no size", i + 1);
     if (i && !box_before(g[-1].box, g->box))
-      return unsound(error, "transistor %zu is out of order", i);
+      return unsound(error, "transistor %zu is out of order", i + 1);
     if (g->mask >= c->masks || g->print >= c->prints)
-      return unsound(error, "transistor %zu has no mask or no print", i);
+      return unsound(error, "transistor %zu has no mask or no print", i + 1);
     if (g->type > EDA_PMOS || g->axis > EDA_Y ||
         g->flip > (EDA_FLIP_L | EDA_FLIP_W))
       return unsound(error, "transistor %zu has no valid type, axis or flip",
-                     i);
+                     i + 1);
   }
   return OPC_OK;
 }
@@ -48,12 +48,12 @@ static int check_masks(const eda_chip *c, opc_error *error) {
     const eda_chip_mask *m = &c->mask[i];
     if (m->parts > EDA_PARTS || (size_t)m->part + m->parts > c->parts ||
         (size_t)m->box + m->boxes > c->boxes)
-      return unsound(error,
-                     "mask %zu refers to parts or boxes that do not exist", i);
+      return unsound(
+          error, "mask %zu refers to parts or boxes that do not exist", i + 1);
   }
   for (size_t i = 0; i < c->boxes; i++)
     if (c->box[i].layer >= c->layers)
-      return unsound(error, "box %zu has no valid layer", i);
+      return unsound(error, "box %zu has no valid layer", i + 1);
   return OPC_OK;
 }
 

@@ -183,9 +183,9 @@ static void test_check(void) {
   t.chip.mask = NULL, assert_refused(&t, "missing");
   t.chip.print = NULL, assert_refused(&t, "missing");
   t.gate[3].box.x1 = t.gate[3].box.x0,
-  assert_refused(&t, "transistor 3 has no size");
+  assert_refused(&t, "transistor 4 has no size");
   t.gate[3].box.y1 = t.gate[3].box.y0,
-  assert_refused(&t, "transistor 3 has no size");
+  assert_refused(&t, "transistor 4 has no size");
   t.gate[4].box = t.gate[3].box, assert_refused(&t, "4 is out of order");
   t.gate[2].box.y0 -= 1, assert_refused(&t, "2 is out of order");
   t.gate[5].mask = 2, assert_refused(&t, "5 has no mask");

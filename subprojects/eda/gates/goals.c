@@ -19,7 +19,7 @@ static const eda_csv_column columns[COLUMNS] = {{"transistor", NULL, 0},
 
 /* ---- values ---- */
 
-/* Bounds of targets: greater than 1 / most_of and less than most_of. The bounds
+/* Bounds of targets: 1 / most_of to most_of. The bounds
    of Ioff are wider, because Ioff doubles every 2 to 3 nm of length. */
 static const double most_of[EDA_GOAL_TARGETS] = {
     [EDA_GOAL_ION] = 10, [EDA_GOAL_IOFF] = 1000, [EDA_GOAL_AREA] = 10};
@@ -31,7 +31,7 @@ static const char *const target_words[EDA_GOAL_TARGETS] = {
 static int weight_is_good(double x) { return isfinite(x) && x >= 0; }
 
 static int target_is_good(int target, double x) {
-  return x > 1 / most_of[target] && x < most_of[target];
+  return x >= 1 / most_of[target] && x <= most_of[target];
 }
 
 const char *eda_goal_fault(const eda_goal *w) {

@@ -195,29 +195,29 @@ static int print_one(void *data, size_t i, opc_error *error) {
   return print_layer(all->printer, layer, &all->mask[layer], all->fine, error);
 }
 
-static int print_all(prints *all, opc_error *error) {
-  int code =
-      eda_try_all(all->printer->context, all->count, print_one, all, error);
-  free(all->layer);
+/* Print the given layers; `fine`: only those without a fine simulation.
+ *simulations counts them. */
+static int print_all(eda_printer *p, const uint8_t *layers,
+                     const eda_shapes *mask, int fine, uint32_t *simulations,
+                     opc_error *error) {
+  prints all = {p, mask, fine, 0, eda_alloc(p->layers, sizeof *all.layer)};
+  for (size_t k = 0; k < p->layers; k++)
+    if (layers[k] && !(fine && p->is_fine[k])) all.layer[all.count++] = (int)k;
+  *simulations += (uint32_t)all.count;
+  int code = eda_try_all(p->context, all.count, print_one, &all, error);
+  free(all.layer);
   return code;
 }
 
 int eda_printer_print(eda_printer *p, const uint8_t *layers,
                       const eda_shapes *mask, opc_error *error) {
-  prints all = {p, mask, 0, 0, eda_alloc(p->layers, sizeof *all.layer)};
-  for (size_t k = 0; k < p->layers; k++)
-    if (layers[k]) all.layer[all.count++] = (int)k;
-  p->simulations += (uint32_t)all.count;
-  return print_all(&all, error);
+  return print_all(p, layers, mask, 0, &p->simulations, error);
 }
 
 int eda_printer_refine(eda_printer *p, const uint8_t *layers,
                        const eda_shapes *mask, opc_error *error) {
-  prints all = {p, mask, 1, 0, eda_alloc(p->layers, sizeof *all.layer)};
-  for (size_t k = 0; k < p->layers && p->fine > 0; k++)
-    if (layers[k] && !p->is_fine[k]) all.layer[all.count++] = (int)k;
-  p->fine_simulations += (uint32_t)all.count;
-  return print_all(&all, error);
+  if (!(p->fine > 0)) return OPC_OK;
+  return print_all(p, layers, mask, 1, &p->fine_simulations, error);
 }
 
 void eda_printer_clear(eda_printer *p) {

@@ -4,6 +4,7 @@
    grows to the right until an edge touches the slab. The sweep runs for the
    shapes and for the transposed shapes. For each polygon with its holes, the
    sweep that yields fewer rectangles is used. Takes O(n log n). */
+#include <eda/index.h>
 #include <eda/memory.h>
 #include <glib.h>
 #include <stdlib.h>
@@ -55,23 +56,6 @@ typedef struct fracture {
 } fracture;
 
 /* ---- polygons and their holes ---- */
-
-static uint32_t chord_root(fracture *f, uint32_t c) {
-  while (f->parent[c] != c) {
-    f->parent[c] = f->parent[f->parent[c]];
-    c = f->parent[c];
-  }
-  return c;
-}
-
-static void chords_unite(fracture *f, uint32_t a, uint32_t b) {
-  a = chord_root(f, a);
-  b = chord_root(f, b);
-  if (a < b)
-    f->parent[b] = a;
-  else
-    f->parent[a] = b;
-}
 
 /* ---- edges ---- */
 
@@ -178,7 +162,7 @@ static void unite_edges(fracture *f, const side *sides, size_t n) {
   for (size_t i = 0, j = 0; i < n && j < f->n_closed;) {
     const span *c = &f->closed[j];
     if (sides[i].r0 < c->r1 && c->r0 < sides[i].r1)
-      chords_unite(f, sides[i].contour, c->contour);
+      eda_sets_join(f->parent, sides[i].contour, c->contour);
     if (sides[i].r1 <= c->r1)
       i++;
     else
@@ -241,7 +225,8 @@ static void fracture_choose(fracture *f, eda_box **boxes, size_t *count) {
   uint32_t *pieces = g_malloc0_n(f->shapes->count, 2 * sizeof *pieces);
   for (int orientation = 0; orientation < 2; orientation++)
     for (size_t i = 0; i < f->n_pieces[orientation]; i++)
-      pieces[2 * (size_t)chord_root(f, f->pieces[orientation][i].contour) +
+      pieces[2 * (size_t)eda_set_root(f->parent,
+                                      f->pieces[orientation][i].contour) +
              (size_t)orientation]++;
   size_t total = 0;
   for (size_t c = 0; c < f->shapes->count; c++)
@@ -250,7 +235,8 @@ static void fracture_choose(fracture *f, eda_box **boxes, size_t *count) {
   for (int orientation = 0; orientation < 2; orientation++)
     for (size_t i = 0; i < f->n_pieces[orientation]; i++) {
       const uint32_t *n =
-          &pieces[2 * (size_t)chord_root(f, f->pieces[orientation][i].contour)];
+          &pieces[2 * (size_t)eda_set_root(f->parent,
+                                           f->pieces[orientation][i].contour)];
       if ((n[1] <= n[0]) == orientation)
         (*boxes)[(*count)++] = f->pieces[orientation][i].box;
     }

@@ -49,6 +49,13 @@ int64_t eda_area2(const eda_shapes *shapes) {
                            : (int64_t)sum;
 }
 
+int eda_is_box(const eda_point *p, size_t n) {
+  return n == 4 && ((p[0].x == p[1].x && p[1].y == p[2].y && p[2].x == p[3].x &&
+                     p[3].y == p[0].y) ||
+                    (p[0].y == p[1].y && p[1].x == p[2].x && p[2].y == p[3].y &&
+                     p[3].x == p[0].x));
+}
+
 eda_box eda_shape_box(const eda_shapes *s, size_t i) {
   return eda_bounds(s->points + s->start[i], s->start[i + 1] - s->start[i]);
 }

@@ -163,7 +163,10 @@ static void search_advance(eda_line_search *w) {
   w->found = NAN;
 }
 
-double eda_line_search_cell(eda_line_search *w) {
+/* Search the remainder of the current cell. If there is a sign change, return
+   the distance from the start, nm; the next call continues beyond the sign
+   change. Otherwise return NAN; the next call searches the next cell. */
+static double line_search_cell(eda_line_search *w) {
   if (!isnan(w->found)) search_advance(w);
   w->found = first_change(w->b, HALVINGS);
   if (!isnan(w->found)) return (w->done + w->found * w->part) * w->line->step;
@@ -185,7 +188,7 @@ static int is_within(const eda_line_search *w, double limit) {
 double eda_line_search_to(eda_line_search *w, double limit) {
   limit = fmin(limit, w->line->n * w->line->step);
   double found = NAN;
-  while (isnan(found) && is_within(w, limit)) found = eda_line_search_cell(w);
+  while (isnan(found) && is_within(w, limit)) found = line_search_cell(w);
   return found <= limit ? found : NAN;
 }
 
@@ -202,7 +205,7 @@ double eda_field_edge(const eda_field *field, int axis, double x, double y,
   for (;;) {
     int up = search[1].done <= search[0].done;
     if (!is_within(&search[up], reach)) break;
-    double distance = eda_line_search_cell(&search[up]);
+    double distance = line_search_cell(&search[up]);
     if (isnan(distance)) continue;
     if (distance <= reach) {
       reach = distance;

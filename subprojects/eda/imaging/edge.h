@@ -75,11 +75,6 @@ void eda_line_make(const eda_field *field, int axis, double at, eda_line *line);
 double eda_line_start(const eda_line *line, double place, eda_line_search *down,
                       eda_line_search *up);
 
-/* Search the remainder of the current cell. If there is a sign change, return
-   the distance from the start, nm; the next call continues beyond the sign
-   change. Otherwise return NAN; the next call searches the next cell. */
-double eda_line_search_cell(eda_line_search *search);
-
 /* Search for the next sign change up to the distance `limit`, nm. Return the
    distance from the start, nm; NAN if there is none. */
 double eda_line_search_to(eda_line_search *search, double limit);

@@ -213,17 +213,10 @@ int eda_layout_add_box(eda_layout *layout, int32_t number, int32_t layer,
   return OPC_OK;
 }
 
-static bool is_box(const eda_point *p, size_t n) {
-  return n == 4 && ((p[0].x == p[1].x && p[1].y == p[2].y && p[2].x == p[3].x &&
-                     p[3].y == p[0].y) ||
-                    (p[0].y == p[1].y && p[1].x == p[2].x && p[2].y == p[3].y &&
-                     p[3].x == p[0].x));
-}
-
 int eda_layout_add_polygon(eda_layout *layout, int32_t number, int32_t layer,
                            const eda_point *points, size_t n,
                            opc_error *error) {
-  if (is_box(points, n)) {
+  if (eda_is_box(points, n)) {
     const eda_point *a = &points[0], *b = &points[2];
     eda_box box = {MIN(a->x, b->x), MIN(a->y, b->y), MAX(a->x, b->x),
                    MAX(a->y, b->y)};

@@ -30,7 +30,8 @@ eda_box extent_box(extent e) {
                    coordinate(ceil(e.x1)), coordinate(ceil(e.y1))};
 }
 
-extent extent_through(const transform *t, extent e) {
+/* Return the bounding box of e after the transform. */
+static extent extent_through(const transform *t, extent e) {
   if (extent_empty(e)) return nothing;
   extent out = nothing;
   for (int k = 0; k < 4; k++) {
@@ -129,6 +130,13 @@ span extent_rows(const eda_placement *p, extent first, extent window) {
 
 /* ---- cells ---- */
 
+/* Index the boxes of n items (NULL: few), and free them. */
+static eda_index *reach_index(eda_box *boxes, size_t n) {
+  eda_index *index = boxes ? eda_index_new(boxes, n, 0) : NULL;
+  free(boxes);
+  return index;
+}
+
 static void reach_shapes(reach *r, const cell *c, int32_t layer, size_t k) {
   const sheet *s = eda_layout_sheet(c, layer);
   if (!s) return;
@@ -139,8 +147,7 @@ static void reach_shapes(reach *r, const cell *c, int32_t layer, size_t k) {
     extent_add(&r->below[k], e);
     if (boxes) boxes[i] = extent_box(e);
   }
-  if (boxes) r->own[k] = eda_index_new(boxes, n, 0);
-  free(boxes);
+  r->own[k] = reach_index(boxes, n);
 }
 
 static void reach_texts(reach *r, const cell *c, int32_t layer, size_t k) {
@@ -153,8 +160,7 @@ static void reach_texts(reach *r, const cell *c, int32_t layer, size_t k) {
     extent_add(&r->below[k], e);
     if (boxes) boxes[i] = extent_box(e);
   }
-  if (boxes) r->own[k] = eda_index_new(boxes, n, 0);
-  free(boxes);
+  r->own[k] = reach_index(boxes, n);
 }
 
 static void reach_instances(reach *r, const cell *c, size_t k) {
@@ -165,8 +171,7 @@ static void reach_instances(reach *r, const cell *c, size_t k) {
     extent_add(&r->below[k], e);
     if (boxes) boxes[i] = extent_box(e);
   }
-  if (boxes) r->instances[k] = eda_index_new(boxes, n, 0);
-  free(boxes);
+  r->instances[k] = reach_index(boxes, n);
 }
 
 /* ---- computation and release ---- */
@@ -196,7 +201,7 @@ static kept *reach_make(const eda_layout *layout, int32_t layer, bool texts) {
   return x;
 }
 
-void eda_reach_free(void *object) {
+static void reach_free(void *object) {
   kept *x = object;
   for (size_t i = 0; i < x->cells; i++) {
     eda_index_free(x->of.own[i]);
@@ -215,7 +220,7 @@ const reach *eda_layout_reach(const eda_layout *layout, int32_t layer,
   GHashTable **all = &writable->reach[texts];
   eda_layout_order(layout);
   g_mutex_lock(&writable->lock);
-  if (!*all) *all = g_hash_table_new_full(NULL, NULL, NULL, eda_reach_free);
+  if (!*all) *all = g_hash_table_new_full(NULL, NULL, NULL, reach_free);
   kept *x = g_hash_table_lookup(*all, key);
   if (!x) {
     x = reach_make(layout, layer, texts);

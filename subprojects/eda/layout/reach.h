@@ -26,7 +26,6 @@ typedef struct reach {
    valid until the layout changes. [any] */
 const reach *eda_layout_reach(const eda_layout *layout, int32_t layer,
                               bool texts);
-void eda_reach_free(void *reach);
 
 static inline bool extent_empty(extent e) { return e.x0 > e.x1; }
 
@@ -38,9 +37,7 @@ static inline bool extents_touch(extent a, extent b) {
    coordinates. */
 eda_box extent_box(extent e);
 
-/* extent_through: return the bounding box of e after the transform.
-   extent_back: return an extent that covers the window after the transform. */
-extent extent_through(const transform *t, extent e);
+/* Return an extent that covers the window after the transform. */
 extent extent_back(const transform *t, extent window);
 
 /* Return the extent of the first member, or of all members, of an instance. */

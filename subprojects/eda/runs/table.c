@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reader of CSV tables of runs (RFC 4180). The whole file is read, then split
    into fields in place. */
+#include <base/sheet.h>
 #include <glib.h>
 #include <math.h>
 #include <string.h>
@@ -117,6 +118,7 @@ static int read_row(cursor *c, opc_error *error) {
   for (c->ended = 0; !c->ended && i < n; i++) {
     char *field;
     if (cut_field(c, &field, error)) return error->code;
+    opc_cell_unmark(field);
     g_ptr_array_add(c->table->fields, field);
   }
   g_autofree char *what =

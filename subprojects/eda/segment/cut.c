@@ -112,11 +112,11 @@ static int32_t in_lengths(const segment *s, size_t i, double nm) {
   return (int32_t)fmin(round(all), most);
 }
 
-int32_t segment_overhang(const segment *s, size_t i) {
+static int32_t segment_overhang(const segment *s, size_t i) {
   return s->overhang != NOT_GIVEN ? s->overhang : in_lengths(s, i, 84);
 }
 
-int32_t segment_line_end(const segment *s, size_t i) {
+static int32_t segment_line_end(const segment *s, size_t i) {
   return s->line_end != NOT_GIVEN ? s->line_end : in_lengths(s, i, 200);
 }
 

@@ -71,8 +71,6 @@ static inline int32_t box_side(const eda_box *b, int d, int side) {
 
 /* cut.c: return how far beyond the active gate i owns the edges of poly, or the
    largest distance of a line end, in grid units. */
-int32_t segment_overhang(const segment *s, size_t i);
-int32_t segment_line_end(const segment *s, size_t i);
 
 /* layers.c: compute the drawn and merged shapes of a layer in cell `top` and
    all cells below; both are empty on failure. For a window, return the drawn

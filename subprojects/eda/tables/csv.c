@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reader of small CSV tables. The whole file is read, then split into fields in
    place. The address of a field determines its column in messages. */
+#include <base/sheet.h>
 #include <eda/csv.h>
 #include <glib.h>
 #include <math.h>
@@ -57,6 +58,7 @@ static char *cut_field(char **rest) {
   if (comma) *comma = '\0';
   g_strchomp(field);
   while (g_ascii_isspace(*field)) field++;
+  opc_cell_unmark(field);
   return field;
 }
 

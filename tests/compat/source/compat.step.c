@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A step that declares two or more of everything, and uses all services. */
 #include "compat.h"
+#ifdef COMPAT_NEWER
+#include "compat.added.h"
+#endif
 #include "compat.model.h"
 
 #ifndef COMPAT_ID
@@ -53,6 +56,20 @@ static int keep(const step *s) {
   return good;
 }
 
+/* The sum; twice the sum if the host has the service of the extended
+   interface. */
+static double sum_of(const step *s) {
+  double sum = 0;
+  size_t i;
+  for (i = 0; i < PIECES; i++) sum += (double)s->pieces[i];
+#ifdef COMPAT_NEWER
+  const compat_added *added =
+      (const compat_added *)s->host->service(s->host, COMPAT_ADDED);
+  if (added) return added->twice(s->host, sum);
+#endif
+  return sum;
+}
+
 static int run(void *self, void **outputs, opc_error *error) {
   step *s = (step *)self;
   const compat_model *model = (const compat_model *)s->model->functions;
@@ -70,13 +87,10 @@ static int run(void *self, void **outputs, opc_error *error) {
   const opc_progress progress = {1, 2, 3, "nm"};
   opc_metric_value values[4];
   int code = opc_do_pieces(s->host, &pieces, error);
-  int64_t sum = 0;
-  size_t i;
-  for (i = 0; i < PIECES; i++) sum += s->pieces[i];
   s->host->progress(s->host, &progress);
   if (s->host->service(s->host, "compat.nothing/1"))
     return opc_fail(error, OPC_FAILED, NULL, "there is such a service");
-  values[0] = (opc_metric_value){"sum", (double)sum};
+  values[0] = (opc_metric_value){"sum", sum_of(s)};
   values[1] = (opc_metric_value){"kept", keep(s)};
   values[2] = (opc_metric_value){
       "factor", model->factor(s->model->self) + (model->other != NULL)};

@@ -27,5 +27,14 @@ char *opc_sheet_text(opc_sheet *sheet, size_t width);
 /* Return a table in Markdown (g_free); line breaks in cells become blanks. */
 char *opc_sheet_markdown(opc_sheet *sheet);
 
-/* Return CSV by RFC 4180, with lines that end with CR LF (g_free). */
+/* Return CSV by RFC 4180, with lines that end with CR LF (g_free).
+
+   A cell is marked by an apostrophe if a spreadsheet would execute it
+   (first character = + - @, except quantities), if it begins with an
+   apostrophe, or if it contains control characters. In a marked cell, a
+   backslash is written twice, and a control character as a backslash and xHH.
+ */
 char *opc_sheet_csv(const opc_sheet *sheet);
+
+/* Restore the text of a marked cell, in place. [any] */
+void opc_cell_unmark(char *text);

@@ -3,6 +3,7 @@
    mask along the sides of each gate, wherever the spacing rules permit. */
 #pragma once
 
+#include <eda/gates.h>
 #include <eda/srafs.h>
 #include <opcflow/plugin.h>
 
@@ -18,6 +19,9 @@ typedef struct gate_srafs {
   eda_box_list srafs;
   size_t dropped; /* number of removed scatter bars */
 } gate_srafs;
+
+/* Return a length in grid steps, at most 1e6. */
+int32_t correct_steps(const eda_gates *gates, double nm);
 
 /* Place the scatter bars into the loop's next mask. Call after `begin` of the
    synthesizers. Returns OPC_OK, or OPC_INVALID if the synthesizer dissects the

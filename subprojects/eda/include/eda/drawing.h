@@ -33,6 +33,9 @@ OPC_EXPORT eda_colour eda_layer_fill(size_t layer);
 OPC_EXPORT eda_colour eda_layer_outline(size_t layer);
 OPC_EXPORT eda_colour eda_layer_contour(size_t layer);
 
+/* Return a colour as 0xRRGGBB. */
+OPC_EXPORT uint32_t eda_colour_packed(eda_colour colour);
+
 /* Return the colour of a deviation: blue at t = 0, white at 0.5, red at 1; t is
    clamped to this range. */
 OPC_EXPORT eda_colour eda_diverging(double t);

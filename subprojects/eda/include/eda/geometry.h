@@ -85,6 +85,9 @@ typedef struct eda_shapes {
   uint8_t *hole;
 } eda_shapes;
 
+/* Return whether n points are the corners of a rectangle, in order. [any] */
+OPC_EXPORT int eda_is_box(const eda_point *points, size_t n);
+
 /* Return the bounding box of polygon i. [any] */
 OPC_EXPORT eda_box eda_shape_box(const eda_shapes *shapes, size_t i);
 

@@ -48,4 +48,21 @@ OPC_EXPORT eda_finder eda_index_find(const eda_index *index, eda_box window);
    cell by number, which makes the order reproducible. [any] */
 OPC_EXPORT int eda_index_next(eda_finder *finder, uint32_t *number);
 
+/* ---- disjoint sets ---- */
+
+/* Return the smallest member of the set of i. parent[i]: a member of the same
+   set, not above i; itself for the smallest one. Shortens the paths. */
+OPC_UNUSED static inline uint32_t eda_set_root(uint32_t *parent, uint32_t i) {
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+/* Unite the sets of a and b. */
+OPC_UNUSED static inline void eda_sets_join(uint32_t *parent, uint32_t a,
+                                            uint32_t b) {
+  a = eda_set_root(parent, a);
+  b = eda_set_root(parent, b);
+  parent[a < b ? b : a] = a < b ? a : b;
+}
+
 OPC_C_END

@@ -60,4 +60,15 @@ OPC_EXPORT const eda_spice_vector *eda_spice_vector_find(
    '-'), otherwise 0. [any] */
 OPC_EXPORT int eda_spice_is_name(const char *text);
 
+/* Parameters of a step that simulates transistors; uses the members supply, V,
+   and temperature, C. */
+#define EDA_CONDITIONS(self_type)                                          \
+  OPC_PARAMETER(self_type, supply, .type = OPC_REAL, .unit = "V",          \
+                .flags = OPC_REQUIRED | OPC_ABOVE | OPC_AT_MOST, .min = 0, \
+                .max = 20, .summary = "supply voltage"),                   \
+      OPC_PARAMETER(self_type, temperature, .type = OPC_REAL, .unit = "C", \
+                    .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "27 C", \
+                    .min = -200, .max = 300,                               \
+                    .summary = "temperature of the transistors")
+
 OPC_C_END

@@ -152,4 +152,12 @@ typedef struct eda_synthesizer {
   OPC_MAY_GROW
 } eda_synthesizer;
 
+/* Parameter of a synthesizer that corrects L and W; uses the member max_bias,
+   nm. */
+#define EDA_MAX_BIAS(self_type)                                                \
+  OPC_PARAMETER(                                                               \
+      self_type, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST, \
+      .unit = "nm", .follows = "0.311 lambda/NA", .max = 10000,                \
+      .summary = "largest correction of L or W; W moves by at most half of W")
+
 OPC_C_END

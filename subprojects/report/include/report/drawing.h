@@ -27,13 +27,8 @@ typedef struct drawing_limits {
           .flags = OPC_AT_LEAST, .preset = "500", .min = 1,                   \
           .summary = "Number of worst transistors above 'whole'")
 
-/* Append the JSON object of a mask. Errors have the parameter "mask". Returns
-   OPC_OK or an error code. Call on the main thread. */
-int drawing_write(const opc_context *context, const eda_mask *mask,
-                  const drawing_limits *limits, GString *out, opc_error *error);
-
-/* Write the JSON object of a mask to a file. Returns OPC_OK or an error
-   code. */
+/* Write the JSON object of a mask to a file. Errors have the parameter "mask"
+   or "file". Returns OPC_OK or an error code. Call on the main thread. */
 int drawing_file(const opc_context *context, const eda_mask *mask,
                  const drawing_limits *limits, const char *path,
                  opc_error *error);

@@ -24,12 +24,6 @@ const char *opc_facts_machine(void);
 typedef char *opc_fact_text(const void *data, char about, const char *path,
                             const char *before, const char *now);
 
-/* Return a description of the differences between two lists (g_free): at most
-   three changed or new facts, at most three missing facts, and the number of
-   others. *count receives the number of differences. */
-char *opc_facts_difference(GVariant *before, GVariant *now, opc_fact_text *text,
-                           const void *data, guint *count);
-
 /* Return the reason why no result exists for `now` (g_free): the differences
    from the most similar list kept under `name`. */
 char *opc_facts_reason(opc_store *store, const char *name, GVariant *now,
