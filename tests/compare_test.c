@@ -195,7 +195,7 @@ static void test_exit(void) {
       {"compare a b --metrics mask.lwo", 2, "did you mean 'mask.low'?"},
       {"compare a", 2, "expected two or more runs"},
       {"compare a a", 0, ""}, /* tables without rows */
-      {"compare a nowhere", 5, "'nowhere' is not a run folder"},
+      {"compare a nowhere", 5, "'nowhere': no such run folder"},
       {"compare a b --table mask", 2, "table 'mask' does not exist"},
       {"compare a b --variant x", 2,
        "'--variant' requires exactly one flow file"},

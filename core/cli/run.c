@@ -166,7 +166,7 @@ static void findings_print(const opc_run *run, const char *note) {
     cli_message("finding", "%s%s", (char *)lines->pdata[i], note);
 }
 
-/* Print the results of a run. `note`: the variant if there are several. */
+/* Print the results of a run. `note`: the variant if several variants run. */
 static int run_print_results(const series *s, const opc_run *run,
                              const char *note, const opc_problems *found) {
   g_autoptr(opc_problems) problems = opc_problems_new();
@@ -208,7 +208,7 @@ static int run_one(const series *s, const char *variant) {
     if (json) print_json(s, failure_json(NULL, problems));
     return cli_problems(problems);
   }
-  /* DIR, or DIR/VARIANT if there are several. */
+  /* DIR, or DIR/VARIANT if several variants run. */
   opc_run_options its = wanted;
   g_autofree char *output =
       wanted.output ? g_build_filename(wanted.output, name, NULL) : NULL;

@@ -24,9 +24,9 @@ static opc_store *results_store(const opc_host *host) {
 
 /* ---- identity ---- */
 
-/* Fail if an instance in `of` other than b itself takes an input. A step can
-   add the identities of its own inputs to a key, but does not know the inputs
-   of its slots. */
+/* Fail if `of` contains an instance other than `b` that takes an input. A step
+   can add the identities of its own inputs to a key, but does not know the
+   inputs of its slots. */
 static gboolean takes_nothing(const opc_binding *b, const opc_binding *of,
                               opc_error *error) {
   g_autoptr(GPtrArray) all = g_ptr_array_new();

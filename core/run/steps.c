@@ -44,9 +44,8 @@ static gboolean are_equal(opc_run *run, opc_problems *problems) {
   return opc_ranks_agree(ranks, text->str, problems);
 }
 
-/* Write the reports that remain if the step crashes. No report is written into
-   a folder without other files, because the guard keeps only folders with
-   files. */
+/* Write the reports that remain if the step crashes. Write no report into an
+   empty run folder, because the guard removes empty folders after a crash. */
 static void prepare_for_crash(opc_run *run, const opc_flow_step *step) {
   if (!run->written.guarded || !opc_reports_has_others(run)) return;
   g_autoptr(opc_problems) problems = opc_problems_new();

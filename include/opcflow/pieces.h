@@ -32,10 +32,10 @@ typedef struct opc_pieces {
                        step */
   size_t count;
 
-  /* Return a text that identifies the dependencies of unit i, except those of
-     the step's own result (docs/reference/flow.md). The text is valid until the
-     next call. Units with equal name and key have equal results. If the text or
-     this field is NULL, the result is not kept. */
+  /* Return a text that identifies the dependencies of unit i that the key of
+     the step's result does not contain (docs/reference/flow.md). The text is
+     valid until the next call. Units with equal name and text have equal
+     results. If the text or this field is NULL, the result is not kept. */
   const char *(*key)(void *data, size_t i);
 
   /* Return the relative cost of unit i, equal in every process; units of high

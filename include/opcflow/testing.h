@@ -42,7 +42,7 @@ OPC_EXPORT void opc_test_release(opc_module *module, void **outputs);
    "litho", "resist", "extractor", "synthesizer" or "regulator"; shipped plugins
    are in the other slots, and the guard of the loop is off. The test passes if
    the loop converges, every transistor prints, and none is worse than drawn.
-   The largest |Ion deviation| must be below that of the drawn mask, or 0.5 %.
+   The largest |Ion deviation| must be less than as drawn, or at most 0.5 %.
    Returns OPC_OK, or an error code and the reason in *error. Metrics of the
    correction, such as "ion_max", can be read afterwards. Since 0.8. */
 OPC_EXPORT int opc_test_corrects(const char *slot, const char *plugin,

@@ -58,8 +58,8 @@ static int names_collide(const char *a, const char *b) {
   return x.layer == y.layer && x.datatype == y.datatype;
 }
 
-/* Fail if the map sets for a layer the file name of a layer outside of the
-   map. */
+/* Fail if the map assigns a name that a layer outside of the map has from the
+   file of the layout. */
 static int check_places(const writer *w, const eda_layout *layout,
                         const char *const *names, opc_error *error) {
   const opc_map *map = &w->layers;
@@ -77,8 +77,8 @@ static int check_places(const writer *w, const eda_layout *layout,
   return OPC_OK;
 }
 
-/* Find the name of each layer in the file: from the map, the layout, or the
-   file from which the layout was read. */
+/* Set the name of each layer in the output file: from the map, the layout, or
+   the file from which the layout was read, in this order of preference. */
 static int name_layers(writer *w, const eda_layout *layout, const char **names,
                        opc_error *error) {
   const opc_map *map = &w->layers;
@@ -228,7 +228,7 @@ static int refuse_name(const char *name, const mask_layer *layers, size_t n,
                   "'%s': a mask has the layers %s", name, all->str);
 }
 
-/* Set the names in the file of the layers of the mask. */
+/* Set the file names of the mask layers according to the map. */
 static int name_mask(const writer *w, mask_layer *layers, size_t n,
                      opc_error *error) {
   const opc_map *map = &w->layers;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the count of mask rule violations and the search for the worst. */
+/* Counts mask rule violations and finds the worst violation of each rule. */
 #include <correct/rules.h>
 
 #include <eda/memory.h>
@@ -34,8 +34,8 @@ static void count_layer(const eda_gates *g, size_t layer,
   free(fault);
 }
 
-/* Log the rules that the mask violates, with the places of the worst
-   violations; a finding if the drawn layout violates a rule less often. */
+/* Log the rules that the mask violates and the places of the worst violations.
+   Log a finding if the mask violates any rule more often than the layout. */
 static void table_findings(const opc_host *host, const rules_row *rows,
                            size_t n, double added) {
   g_autoptr(GString) text = g_string_new(NULL);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the model-based placement of assist features. */
+/* Implements the model-based placement of assist features. The process window
+   band is the area between the contours at two process conditions. The map is
+   the derivative of the area of this band by the mask transmission. */
 #include <correct/search.h>
 
 #include <math.h>
@@ -7,8 +9,7 @@
 
 #include <correct/loop.h>
 
-/* Grid of the map and of scatter bar positions, nm. The ridge along a contour
-   spans several grid steps. */
+/* Grid of the map and of scatter bar positions, nm. */
 static const double map_step = 8;
 
 /* Steepness of the printed area's transition at a contour, 1 / intensity.
@@ -130,10 +131,9 @@ static int find_band(const loop *l, const eda_spectrum *mask, eda_field *out,
   return code;
 }
 
-/* Constrain the map to a fixed nominal contour. Feature edges compensate the
-   effect of a bar on the contour, so the map must be 0 for displacements of
-   feature edges. `push`, the weight of the displacements, is computed by
-   Richardson's iteration. */
+/* Constrain the map to a fixed nominal contour: the map must be 0 for the
+   displacements of feature edges that compensate a bar's effect on the contour.
+   Richardson's iteration computes `push`, the weight of the displacements. */
 static int hold_contour(const loop *l, const eda_spectrum *mask, eda_field *map,
                         opc_error *error) {
   eda_field edge = eda_field_scaled(&l->printer.print[EDA_POLY], 1);

@@ -25,7 +25,7 @@ int correct_settings_check(correct_settings *with, const opc_host *host,
 static const struct {
   double start, start_fine; /* libraries and kernels */
   double gate, fragments;   /* a transistor, and its fragments of edges */
-  double prints;            /* level sets kept beside the last one */
+  double prints;            /* number of level sets in addition to the last */
 } memory = {16e6, 30e6, 12e3, 17e3, 2};
 
 void correct_forecast(const correct_settings *with, const opc_host *host,

@@ -139,8 +139,8 @@ static int explain_run(const cli_verb *verb, const GPtrArray *arguments) {
   JsonArray *results = results_of(manifest, &store);
   if (!results)
     return cli_error(CLI_USAGE,
-                     "'%s': no record; was the run made with '--no-cache', or "
-                     "by an earlier version?",
+                     "'%s': no record; was the run made with '--no-cache', "
+                     "with an empty OPCFLOW_STORE, or by an earlier version?",
                      path);
   if (json)
     cli_print_object(json_object_ref(store));

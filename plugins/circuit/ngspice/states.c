@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Explores the states of a sequential circuit and the transitions for changes
-   of single inputs. A state consists of the input levels and the levels of all
-   nets connected to gates or outputs. No clock is assumed. Transients start at
-   power-up and change one input at a time. Each follows the shortest known path
-   to an untried change, until all changes are known (C. E. Shannon's
-   maze-solving mouse). */
+/* Explores the states of a sequential circuit and the transitions caused by
+   changes of single inputs. A state consists of the levels of the inputs and of
+   all nets connected to gates or outputs. No clock is assumed. A traversal is a
+   transient that starts at power-up and changes one input at a time, along the
+   shortest known path to an untried change. Traversals are run until all
+   changes are known (C. E. Shannon's maze-solving mouse). */
 #include <glib.h>
 #include <math.h>
 #include <stdio.h>
@@ -151,7 +151,7 @@ static void trip_read_levels(bench_task *j, trip *t,
            to = m->phase * ((double)k + 1);
     states_levels(j->b, m, plot, half, middle);
     states_levels(j->b, m, plot, to, end);
-    /* The circuit may power up slowly, so the first phase is exempt. */
+    /* Power-up may be slow, so nets need not settle in the first phase. */
     if (!k ||
         (!memcmp(middle, end, m->watched) && !any_changes(j, plot, half, to)))
       continue;

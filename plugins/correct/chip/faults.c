@@ -13,7 +13,7 @@
 #include <correct/rules.h>
 #include "work.h"
 
-/* Kind of a violation of the regulator's rules; the rule's text follows. */
+/* Kind of a violation of the regulator's rules; the text follows the record. */
 enum { TEXT = UINT32_MAX };
 
 /* Record of a violation in a work unit; `size`: length of the text. */
@@ -22,7 +22,7 @@ typedef struct kept {
   double value, limit;
 } kept;
 
-/* Violation by a print of the chip. */
+/* Violation in a print of the chip. */
 typedef struct fault {
   uint32_t print, kind;
   double value, limit;
@@ -30,7 +30,7 @@ typedef struct fault {
 
 struct faults {
   GArray *fault;
-  GPtrArray *rule; /* texts of the kinds after the mask rules */
+  GPtrArray *rule; /* texts of the regulator's rules, kinds from first_text */
 };
 
 faults *faults_new(void) {
@@ -69,9 +69,9 @@ static double distance_beyond(int32_t low, int32_t high, double at) {
   return fmax(fmax(low - at, at - high), 0);
 }
 
-/* Return the place of the nearest transistor within half the margin, because a
-   transistor omitted from the sheet may be nearer to a more distant position.
-   UINT32_MAX: none, or a transistor that this sheet does not verify. */
+/* Return the place of the transistor nearest to (x, y), at most half the margin
+   away: beyond, a transistor omitted from the sheet may be nearer. Return
+   UINT32_MAX if there is none, or if this sheet does not verify it. */
 static uint32_t place_of(const finder *f, double x, double y) {
   const eda_gates *g = f->sheet->gates;
   double least = INFINITY;

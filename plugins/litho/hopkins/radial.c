@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements kernels of a rotationally symmetric T, which depends only on |f1|,
-   |f2| and the angle between f1 and f2. Its eigenfunctions are R(|f|) exp(i m
-   angle), computed for each order m from a small matrix over the radius. They
-   apply to frames of every size.
+/* Implements kernels of rotationally symmetric transmission cross coefficients
+   T, which depend only on |f1|, |f2| and the angle between f1 and f2. The
+   eigenfunctions R(|f|) exp(i m angle) are computed for each order m from a
+   small matrix over the radius, and apply to frames of every size.
 
    The pupil shifted by f, as a function on a circle of radius q in the source,
    depends on the angle between f and the source point. With the Fourier

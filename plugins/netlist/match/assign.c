@@ -62,9 +62,9 @@ typedef struct choice {
   uint32_t gates, first_free, left;
 } choice;
 
-/* Return the free gate of matching size that is nearest to the device; without
-   a place of the device, the first free gate of matching size. If no size
-   matches, return the first free gate. */
+/* Return the free gate of matching size nearest to the device, or the first
+   such gate if the device has no place. If no size matches, return the first
+   free gate. */
 static uint32_t best_gate(const choice *c, double width) {
   const match_task *j = c->g->j;
   const eda_gates *o = j->gates;
@@ -94,8 +94,8 @@ static void choice_take(choice *c, uint32_t at) {
   while (c->first_free < c->gates && c->taken[c->first_free]) c->first_free++;
 }
 
-/* Assign gates to one device: a single gate, all gates if there is only one
-   device, the given number of fingers, or gates up to the device's width. */
+/* Assign gates to a device: one if `one_each`, all if `alone`, otherwise one
+   per finger, or up to the width of the device if `fingers` is 0. */
 static int take_gates(choice *c, uint32_t owner, int alone, int one_each) {
   graph *g = c->g;
   const eda_transistor *d = c->device;

@@ -20,8 +20,8 @@ enum {
 
 /* ---- list of pairs ---- */
 
-/* Return 1 if two inputs that change in sequence from the pattern `from` are a
-   pair for the output with the truth table `level`. */
+/* Return 1 if the change of two inputs from the pattern `from` switches the
+   output with the truth table `level`, and each alone has the same effect. */
 static int is_pair(const uint8_t *level, uint32_t from, size_t first,
                    size_t second, int *parallel) {
   uint32_t a = from ^ 1u << first, b = from ^ 1u << second,
@@ -83,8 +83,8 @@ static const eda_timing_arc *arc_of(const eda_timing_cell *c, size_t output,
   return &c->arc[c->arc_of[at + from]];
 }
 
-/* Return the arc of one input of a pair. The other input has the level at which
-   the first input switches the output. */
+/* Return the arc of the first or second input of a pair. The other input has
+   the level at which this input alone switches the output. */
 static const eda_timing_arc *pair_single_arc(const eda_timing_cell *c,
                                              const eda_timing_pair *p,
                                              int second) {
@@ -99,7 +99,7 @@ static const eda_timing_arc *pair_single_arc(const eda_timing_cell *c,
 static size_t load_of(const eda_timing_cell *c) { return c->loads / 2; }
 
 /* Return the grid index of slew number `slew` (0 .. 2) of a pair: the two slews
-   with size changes, and a slew between them. */
+   with sensitivities to sizes (near_slew), and a slew between them. */
 static size_t slew_of(const eda_timing_cell *c, size_t slew) {
   return slew < MIDDLE ? c->near_slew[slew]
                        : (c->near_slew[0] + c->near_slew[1]) / 2;
@@ -130,7 +130,7 @@ static deck *deck_for(work *w, double slew, int rises) {
   return &w->deck[k];
 }
 
-/* Point of a pair: slews, gap and the copy that simulates them. */
+/* Point of a pair: slews, gap, and the simulated copy of the cell. */
 typedef struct point {
   const eda_timing_pair *pair;
   size_t slew[2], place, gap, deck, copy;
@@ -155,7 +155,7 @@ static void plan_point(work *w, point *at) {
               .input = (uint8_t)input,
               .output = p->output,
               .load = c->at_load[load_of(c)],
-              /* Two parallel inputs reduce the slew to half at least; two
+              /* Two parallel inputs reduce the slew to as little as half; two
                  inputs in series increase the delay. */
               .delay = delay + 2 * slew,
               .slew = p->parallel ? slew / 2 : slew,
@@ -228,8 +228,8 @@ static int measure_pairs(study *s, eda_timing_cell *c, opc_error *error) {
 
 /* ---- pin capacitances by pattern of the other inputs ---- */
 
-/* Uses the middle slew of the grid, which is typical of driven inputs: the cell
-   switches while the input changes. */
+/* Measure the capacitance of each input pin at the middle slew of the grid. At
+   this slew, typical of circuits, the cell switches during the transition. */
 static int measure_pins(study *s, eda_timing_cell *c, opc_error *error) {
   const double slew = c->at_slew[c->slews / 2];
   work w = {.s = s, .cell = c};

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements timing.slack: sets the targets of transistors on paths with slack
-   to longer gates, which leak less, without delaying the latest path. After
-   Gupta et al., "Selective gate-length biasing for cost-effective runtime
-   leakage control", DAC 2004. */
+/* Implements timing.slack: on paths with slack, sets the targets of transistors
+   to longer gates, which leak less. The latest arrival stays within its limit.
+   Source: Gupta et al., "Selective gate-length biasing for cost-effective
+   runtime leakage control", DAC 2004. */
 #include <eda/circuit.h>
 #include <eda/curves.h>
 #include <glib.h>
@@ -83,8 +83,8 @@ static void number_choices(slack_task *j) {
   j->of = eda_pool_alloc(&j->pool, j->s->circuit->gates->count, sizeof *j->of);
 }
 
-/* Set lengths and leakage of the choices. The largest length of a choice is the
-   smallest limit of its gates. Levels are equidistant in ln L. */
+/* Set lengths and leakage of all choices (budget.h). The largest length is the
+   smallest limit of the gates of a choice. Levels are equidistant in ln L. */
 static int fill_choices(slack_task *j, opc_error *error) {
   const slack *s = j->s;
   const eda_circuit *c = s->circuit;
@@ -204,7 +204,7 @@ static int requests_report(const slack_task *j, opc_error *error) {
   return code;
 }
 
-/* Row of slack.csv; slacks are the least of the nets driven by the instance. */
+/* Row of slack.csv: smallest slack of all nets that the instance drives. */
 typedef struct row {
   const char *instance, *cell;
   double before, after, drawn, leak;

@@ -53,8 +53,7 @@ static proposal proposal_of(const planner *p, const eda_sraf_edge *e, int row) {
   return w;
 }
 
-/* Subtract `keep_out` and all points beside it across the bar from all
-   parts. */
+/* Subtract `keep_out` from all parts, over the full width of the bar. */
 static void cut_parts(planner *p, eda_box keep_out, int upright) {
   p->next.count = 0;
   for (size_t i = 0; i < p->parts.count; i++) {

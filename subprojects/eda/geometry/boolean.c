@@ -134,8 +134,7 @@ static int sweep_run(sweep *s, opc_error *error) {
     const eda_event *e = &s->events[i];
     change[e->payload & OPERAND] += e->payload & MINUS ? -1 : 1;
     if (!change[0] && !change[1]) continue;
-    /* The next event at this x has the same rank; wait for the sum of their
-       changes. */
+    /* The next event at this x has the same rank: sum the changes first. */
     if (e[1].minor == e->minor) continue;
     code = change_range(s, e->major, e->minor, e[1].minor, change, error);
   }

@@ -184,8 +184,8 @@ static void open_slab(fracture *f, const side *sides, size_t n, uint32_t r0,
   eda_rankset_add(&f->open, r0);
 }
 
-/* Process all edges at one x. The intervals inside the shapes to the right of x
-   are the closed slabs exclusive-or the edges. */
+/* Process all edges at one x. The new slabs to the right of x are the symmetric
+   difference (XOR) of the closed slabs and the edges. */
 static void fracture_step(fracture *f, const side *sides, size_t n) {
   f->n_closed = f->n_ends = 0;
   for (size_t i = 0; i < n; i++) {

@@ -217,6 +217,8 @@ static int open_all(eda_run *run, opc_error *error) {
                {"flow.yaml", &run->flow, read_flow}};
   const char *folder = run->facts.folder;
   int code = OPC_OK;
+  if (!g_file_test(folder, G_FILE_TEST_EXISTS))
+    return opc_fail(error, OPC_IO, NULL, "'%s': no such run folder", folder);
   for (size_t i = 0; i < G_N_ELEMENTS(parts) && !code; i++) {
     g_autofree char *path = g_build_filename(folder, parts[i].file, NULL);
     reading r = {run, parts[i].tree, error};

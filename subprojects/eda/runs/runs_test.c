@@ -190,8 +190,7 @@ static void test_bad_runs(void) {
   }
   opc_error error = {0};
   g_assert_null(eda_run_open("/nowhere", &error));
-  g_assert_cmpstr(error.message, ==,
-                  "'/nowhere' is not a run folder: manifest.json is missing");
+  g_assert_cmpstr(error.message, ==, "'/nowhere': no such run folder");
   g_assert_cmpint(error.code, ==, OPC_IO);
 }
 

@@ -29,8 +29,8 @@ gboolean opc_is_id(const char *name);
 char *opc_executable_folder(void);
 
 /* Return the path PREFIX/`in`/opcflow/`name` of an installed file or folder
-   (g_free); NULL if the executable is not installed. PREFIX is the folder of
-   the executable without the last part, which must be one of `places` ("/bin",
+   (g_free); NULL if the executable is not installed. The folder of the
+   executable must be PREFIX followed by one of `places` ("/bin",
    NULL-terminated). Thus an installation can be moved. */
 char *opc_installed(const char *const *places, const char *in,
                     const char *name);

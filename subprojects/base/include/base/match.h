@@ -29,8 +29,8 @@ gboolean opc_match_choices(const opc_node *node, const GPtrArray *list,
 
 /* opc_label: return a label for a value: the name of a file without folder and
    extension, or the text; "" for other values. The label of a map with `use`
-   consists of the file and the other words of the map. The label of a map
-   without a file is the plugin.
+   consists of the labels of its file names and words. Without a file name, the
+   label is the last part of the plugin's id.
    opc_label_of_map: return the label of the first text in a map, otherwise of
    the first value that has a label. The caller frees both with g_free().
    opc_label_add: append a label unless it equals the last label of `to`. */

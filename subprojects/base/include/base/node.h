@@ -9,8 +9,8 @@
 /* Origin of nodes. */
 typedef struct opc_source {
   char *name;   /* for messages: "flow.yaml", "--set first.width" */
-  char *folder; /* folder of relative file names; NULL: an argument, without
-                   line numbers */
+  char *folder; /* folder of relative file names; NULL: the source is an
+                   argument of the command, and has no line numbers */
   char *layer;  /* "variant epe", "sweep"; NULL for the file itself */
 } opc_source;
 
@@ -51,7 +51,7 @@ GPtrArray *opc_node_read_all(const opc_source *source, const char *path,
 
 opc_node *opc_node_text_new(const opc_source *source, const char *text);
 opc_node *opc_node_map_new(const opc_source *source, const opc_place *at);
-/* Return a deep copy with nodes of `source`; NULL: of the source of `node`. */
+/* Return a deep copy, with the origin `source`, or its own if that is NULL. */
 opc_node *opc_node_copy(const opc_node *node, const opc_source *source);
 void opc_node_free(opc_node *node);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_node, opc_node_free)
@@ -96,7 +96,7 @@ char *opc_node_line(const opc_node *node);
 void opc_node_append(GString *out, const opc_node *node);
 void opc_text_append(GString *out, const char *text);
 
-/* Return whether a node is the missing value after `key:`. */
+/* Return whether a node is an empty value: no text after `key:`. */
 gboolean opc_node_is_empty(const opc_node *node);
 
 /* Return whether a node is `~` or `null` without quotes. */

@@ -10,8 +10,8 @@
    values only to steer a correction (errors: docs/reference/devices.md).
 
    A table of several widths has such curves for each width. Between two widths,
-   the logarithm of the current per width is interpolated linearly in 1 / W,
-   because the share of the edges of the active is proportional to 1 / W.
+   the logarithm of the current per width is interpolated linearly in 1 / W. The
+   edges of the active contribute to this current in proportion to 1 / W.
    Transistors narrower than the narrowest width have the current per width of
    the narrowest width. [any], [main]: see opcflow/plugin.h. */
 #pragma once
@@ -35,7 +35,7 @@ typedef struct eda_curves {
   struct eda_curves *next;
 } eda_curves;
 
-/* A width and its position among those of the table. */
+/* A width and its position among the widths of the table. */
 typedef struct eda_curves_width {
   double width; /* nm */
   size_t low;   /* index of the next smaller width in the table */
@@ -69,8 +69,8 @@ OPC_EXPORT double eda_curves_length(const eda_curves *curves, int type,
 
 OPC_EXPORT eda_curves_width eda_curves_among(const eda_curves *curves,
                                              double width);
-/* As eda_curves_at and eda_curves_length, for a rectangular transistor of a
-   width. If several lengths have the same current, return the length nearest to
+/* As eda_curves_at and eda_curves_length, for the width from eda_curves_among.
+   If several lengths have the same current, return the length nearest to
    `near`, nm. If no length near `near` has the current, return `near`. */
 OPC_EXPORT double eda_curves_narrow_at(const eda_curves *curves, int type,
                                        int current, double length,
@@ -90,8 +90,8 @@ OPC_EXPORT double eda_curves_longest(const eda_curves *curves);
 /* Return the narrowest width of a table of several widths, nm; otherwise 0. */
 OPC_EXPORT double eda_curves_narrowest(const eda_curves *curves);
 
-/* Compute exp(eda_curves_at) of both currents faster, with a relative error of
-   1e-5; beyond the table without error, but slower. */
+/* Compute exp(eda_curves_at) of both currents. Within the table the function is
+   faster and has a relative error of 1e-5; beyond, it calls eda_curves_at. */
 static inline void eda_curves_quick(const eda_curves *curves, int type,
                                     double length,
                                     double current[EDA_CURRENTS]) {

@@ -29,8 +29,8 @@ typedef struct eda_devices {
      table of a file; next table, NULL for the last. Since 0.6. */
   char *flavour;
   struct eda_devices *next;
-  /* Gate capacitance per width, F/nm: of the widest transistors, indices as for
-     `ion`; of the others, indices as for `narrow_ion`. NULL: none in file. */
+  /* Gate capacitance per width, F/nm: `cgate` for `width`, indexed as `ion`;
+     `narrow_cgate` for `narrow_width`, indexed as `narrow_ion`. NULL: none. */
   double *cgate[2], *narrow_cgate[2];
 } eda_devices;
 

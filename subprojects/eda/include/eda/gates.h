@@ -10,8 +10,8 @@
 
 OPC_C_BEGIN
 
-/* If there are transistors, these are the numbers of the layers that form them.
-   Other layers are found by name. */
+/* Numbers of the layers that form transistors, if there are any. Find other
+   layers by name. */
 enum { EDA_POLY = 0, EDA_ACTIVE = 1 };
 
 /* Axes. The axis of a gate is the direction of the channel current: EDA_X for a
@@ -182,9 +182,9 @@ OPC_UNUSED static inline int eda_print_failed(uint32_t flags) {
 
 /* Performance of transistors, arrays of `count`. Currents in A, lengths in nm,
    area of the channel in nm^2. With EDA_PRINT_OPEN or EDA_PRINT_NO_ACTIVE all
-   figures are 0. Check the flags before comparing figures: 0 would mean a weak
-   transistor, although an open line is too thin. With other failures the
-   figures indicate only the direction of a deviation. */
+   figures are 0. Check the flags before comparing figures: a current of 0
+   suggests a long gate, but the poly of an open gate is too thin. With other
+   failures the figures indicate only the direction of a deviation. */
 typedef struct eda_performance {
   size_t count;
   double *ion, *ioff;
@@ -232,9 +232,9 @@ enum { EDA_PARTS = 18 }; /* largest number of parts of a gate */
 enum { EDA_PART_END = 1 << 20 };
 
 /* Directions in which the biases of a gate are mirrored, as in a mirrored cell.
-   Along L: LOW takes the odd step of `l` and of parts, and the jog is on the
-   other side. Along W: LOW takes the odd step of `w`, and the jog begins at
-   HIGH. */
+   Along L: the LOW edge moves by the odd step of `l` and of parts, and the jog
+   is on the other side. Along W: the LOW edge moves by the odd step of `w`, and
+   the jog begins at HIGH. */
 enum { EDA_FLIP_L = 1 << 0, EDA_FLIP_W = 1 << 1 };
 
 /* Displacements of mask edges from the drawn position, grid steps, for example
@@ -289,8 +289,8 @@ typedef struct eda_mask {
   /* Violations found by a regulator, in its order. Since 0.5. */
   eda_violation *violations;
   size_t n_violations;
-  /* Edge displacements; NULL if they cannot describe the mask: it has edges
-     moved by fragment, assist features, or another source. Since 0.5. */
+  /* Edge displacements; NULL for a mask with edges displaced by fragment or
+     with assist features, and for a mask from another source. Since 0.5. */
   eda_moved *moved;
 } eda_mask;
 
@@ -301,7 +301,7 @@ OPC_EXPORT eda_mask *eda_mask_new(const eda_gates *gates);
 OPC_EXPORT void eda_mask_free(void *mask);
 OPC_EXPORT int eda_mask_check(const void *mask, opc_error *error);
 
-/* Replace the violations of a mask by copies of these. [main] */
+/* Replace the violations of a mask by copies of violations[n]. [main] */
 OPC_EXPORT void eda_mask_set_violations(eda_mask *mask,
                                         const eda_violation *violations,
                                         size_t n);

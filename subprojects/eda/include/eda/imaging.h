@@ -168,8 +168,8 @@ OPC_EXPORT void eda_field_gradient(const eda_field *field, const double *x,
                                    const double *y, size_t n, double *value,
                                    double *dx, double *dy);
 
-/* The next four functions work in place. They return OPC_INVALID for a `sigma`
-   or `step` that is not a length and leave the field unchanged.
+/* The next four functions work in place. They return OPC_INVALID and leave the
+   field unchanged if `sigma` < 0 or not finite, or `step` <= 0 or too small.
 
    Convolve a field with a Gaussian of standard deviation `sigma` (nm, 0: no
    change) in both directions, with periodic wrap-around. */
@@ -189,8 +189,8 @@ OPC_EXPORT void eda_field_from_samples(const opc_context *context,
 
 /* Return the signed distance, nm, from (x, y) to the nearest sign change of a
    field along x (axis 0) or y (axis 1), within +-reach; NAN if there is none.
-   No sign change is missed, even of close pairs: signs of the spline's
-   Bernstein coefficients bound their number. */
+   Close pairs of sign changes are found, too: the signs of the spline's
+   Bernstein coefficients bound the number of sign changes. */
 OPC_EXPORT double eda_field_edge(const eda_field *field, int axis, double x,
                                  double y, double reach);
 

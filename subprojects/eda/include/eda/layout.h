@@ -146,10 +146,10 @@ OPC_EXPORT int eda_layout_flatten_window(const eda_layout *layout, int32_t cell,
                                          int32_t layer, double grid,
                                          const eda_box *window, eda_flat *out,
                                          opc_error *error);
-/* Compute a bounding box of all shapes of a layer in `cell` and below, in grid
-   units; too large only for rotations by other than multiples of 90 degrees.
-   Empty if there are no shapes. Return OPC_INVALID beyond 2^30 and for cycles.
-   [any] */
+/* Compute the bounding box of all shapes of a layer in `cell` and below, in
+   grid units; empty without shapes. The box may be larger if cells are rotated
+   by angles other than multiples of 90 degrees. Return OPC_INVALID beyond 2^30
+   and for cycles. [any] */
 OPC_EXPORT int eda_layout_bounds(const eda_layout *layout, int32_t cell,
                                  int32_t layer, double grid, eda_box *box,
                                  opc_error *error);

@@ -17,7 +17,7 @@ typedef struct eda_litho {
      Also called before `prepare`; 0: not yet known. [any] */
   double (*band)(const void *self);
 
-  /* Compute the intensity of the mask of a layer; `layer` is its number
+  /* Compute the intensity of the mask of a layer; `layer`: number
      (EDA_POLY, ...). The caller clears *out. [any] */
   int (*image)(const void *self, int layer, const eda_spectrum *mask,
                eda_field *out, opc_error *error);

@@ -42,10 +42,10 @@ OPC_EXPORT double eda_models_unit(const eda_models *models);
 OPC_EXPORT int eda_models_bins(const eda_models *models, const char *name,
                                eda_sizes *out);
 
-/* Return the statements for a deck of eda_spice_run, one per line, that devices
-   with a range of sizes need, including `.osdi`. From binned models only bins
-   that touch the range are included; if `extend`, the outermost bins are
-   enlarged to cover it. The caller frees the text with free(). [any] */
+/* Return the statements, including `.osdi`, that a deck of eda_spice_run needs
+   for devices of the given sizes, one per line. Binned models are reduced to
+   the bins that touch the range of sizes; if `extend`, the outermost bins are
+   enlarged to cover the range. The caller frees the text with free(). [any] */
 OPC_EXPORT char *eda_models_cut(const eda_models *models, const char *name,
                                 const eda_sizes *sizes, int extend);
 

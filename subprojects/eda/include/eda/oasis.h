@@ -96,8 +96,8 @@ OPC_EXPORT void eda_oasis_string(eda_oasis *out, const char *text);
 
 /* End a record and start a new block if the current one is long enough. */
 OPC_EXPORT void eda_oasis_end_record(eda_oasis *out);
-/* Write the collected bytes to the file, compressed if that is shorter; write
-   them uncompressed. */
+/* Write the collected bytes to the file. eda_oasis_end_block compresses the
+   bytes if the result is shorter; eda_oasis_end_plain never does. */
 OPC_EXPORT void eda_oasis_end_block(eda_oasis *out);
 OPC_EXPORT void eda_oasis_end_plain(eda_oasis *out);
 

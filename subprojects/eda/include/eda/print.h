@@ -50,8 +50,8 @@ typedef struct eda_printer {
   uint8_t *is_fine;
   uint32_t fine_simulations;
 
-  /* The caller may set, as `fine`: the defocus, nm, for a model with image_at;
-     `keeps` = 1, to keep `image` also if `fine` is 0. */
+  /* The caller may set, at the same time as `fine`: the defocus, nm, for a
+     model with image_at; `keeps` = 1, to keep `image` even if `fine` is 0. */
   double defocus;
   int keeps;
 
@@ -100,9 +100,9 @@ OPC_EXPORT int eda_printer_develop(const eda_printer *printer, int layer,
 OPC_EXPORT int eda_printer_print(eda_printer *printer, const uint8_t *layers,
                                  const eda_shapes *mask, opc_error *error);
 
-/* Repeat by accurate simulation those layers with layers[i] = 1 whose level set
-   is not accurate, with the masks last passed to eda_printer_print (any masks
-   if that was not called). Do nothing if `fine` is 0. [main] */
+/* Simulate the layers with layers[i] = 1 accurately, unless their level set is
+   already accurate. `mask` must equal the masks last passed to
+   eda_printer_print, if any. Do nothing if `fine` is 0. [main] */
 OPC_EXPORT int eda_printer_refine(eda_printer *printer, const uint8_t *layers,
                                   const eda_shapes *mask, opc_error *error);
 
