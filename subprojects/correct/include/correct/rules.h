@@ -16,8 +16,8 @@ typedef struct rules_row {
 } rules_row;
 
 /* Publish the table "mask_rules" and the metrics mask_violations,
-   mask_violations_added and mask_RULE. Violations are logged with their places,
-   as a finding if a rule has more of them in the mask than in the drawn layout.
+   mask_violations_added and mask_RULE. Log violations with their places, as a
+   finding if the mask violates any rule more often than the drawn layout.
    `rows` has EDA_RULES rows for each layer, in the order of the rules. */
 OPC_EXPORT int correct_rules_table(const opc_host *host, const rules_row *rows,
                                    size_t n, opc_error *error);

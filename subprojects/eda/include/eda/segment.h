@@ -27,8 +27,8 @@ typedef struct eda_segment_settings {
      and name in the layout. */
   const char *const *also;
   size_t also_count;
-  /* For windows. 1: set instance and cell of gates, which errors of notes then
-     name; 0: set "" to save memory. Numbers of gates in windows are 0, because
+  /* For windows. 1: set instance and cell of gates, and name them in errors of
+     notes; 0: set "" to save memory. Numbers of gates in windows are 0, because
      a window may contain a part of an instance. */
   int paths;
   /* Optional. Callback for messages to the user; not called for windows. Runs
@@ -36,8 +36,8 @@ typedef struct eda_segment_settings {
   void (*log)(void *data, int warning, const char *message);
   void *data;
   /* Flavours of transistors (eda/gates.h): two texts for each, name and marker
-     layers in the layout; of several layers, separated by blanks, all must
-     cover the gate. Since 0.6. */
+     layers in the layout, separated by blanks. All marker layers of a flavour
+     must cover the gate. Since 0.6. */
   const char *const *flavours;
   size_t flavour_count;
 } eda_segment_settings;
