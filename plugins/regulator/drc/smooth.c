@@ -21,9 +21,9 @@ static int is_between(int32_t v, int32_t a, int32_t b) {
   return a < b ? v >= a && v <= b : v >= b && v <= a;
 }
 
-/* Return 1 if an end of the straight edge is valid: not at the corner b of the
-   mask corners a, b, c, or at b if b turns left for a bump, right for a notch.
-   Otherwise the smoothing protrudes. */
+/* Return 1 if an end of the straight edge is valid. Only an end at the corner b
+   of the mask corners a, b, c can be invalid: b must turn left for a bump,
+   right for a notch. Otherwise the smoothing protrudes. */
 static int is_valid_corner(const smoothing *m, eda_point end, eda_point a,
                            eda_point b, eda_point c) {
   return end.x != b.x || end.y != b.y || turns_left(a, b, c) == m->bump;

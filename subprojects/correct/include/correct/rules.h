@@ -43,8 +43,8 @@ OPC_EXPORT int correct_rules_report(const opc_host *host,
                       "0.155 lambda/NA",                                   \
                       "Smallest allowed width of the mask"),               \
       RULES_PARAMETER(state, "min_edge", EDA_RULE_EDGE, "0.078 lambda/NA", \
-                      "Smallest allowed length of a mask edge next to a "  \
-                      "shorter one, as in successive steps"),              \
+                      "Smallest allowed length of a mask edge adjacent "   \
+                      "to an edge of equal or smaller length"),            \
       OPC_PARAMETER_NAMED(                                                 \
           "min_jog", state, with.rules[EDA_RULE_JOG], .type = OPC_REAL,    \
           .flags = OPC_AT_LEAST, .unit = "nm", .preset = "1 nm", .min = 0, \
