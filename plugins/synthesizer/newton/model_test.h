@@ -30,6 +30,7 @@ typedef struct model {
   double second; /* largest Ion deviation in the second iteration */
   int prints;
   int late;     /* iteration after which transistor 3 has 2 % less current */
+  int undone;   /* iteration until which the regulator undoes moves of L */
   double steep; /* additional fall of log Ion per nm of shorter length, */
   double table; /* down to the printed length where the device table ends; */
   double open;  /* shorter printed lengths are open and have no figures; */
@@ -70,6 +71,7 @@ static inline void model_print(model *t, const int32_t *end,
     double l = t->l[i] + model_part(t->jog[i]),
            beside = t->l[next] + model_part(t->jog[next]);
     double gain = t->gain_l * (1 + t->spread * sin((double)i));
+    if (t->prints > 1 && t->prints < t->undone) gain = 0;
     double printed = length + t->off_l[i] + gain * (l + t->coupling * beside);
     double weq = WIDTH + t->off_w[i] + t->gain_w * t->w[i];
     double thin = end[2 * i + 1] < t->grow ? t->thin[i] : 0;

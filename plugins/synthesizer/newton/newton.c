@@ -40,6 +40,7 @@ enum { JOG, WIDTH, NONE };
 /* ---- work: sizes ---- */
 
 static double newton_tolerance(const newton *t) { return t->tolerance / 100; }
+
 static void newton_clear(void *self) {
   newton *t = self;
   free(t->state);
@@ -151,7 +152,9 @@ static biases mask_with_width(const newton *t, const eda_feedback *f, size_t i,
   for (int step = any ? -2 : -1; step <= (any ? 2 : 1); step++) {
     uint32_t veto = step > 0 ? EDA_VETO_WIDER : EDA_VETO_NARROWER;
     int32_t w = best.w + step;
-    if (!step || f->vetoes[i] & veto || abs(w) > most) continue;
+    if (!step || f->vetoes[i] & veto || abs(w) > most ||
+        w > fmax(width_limit(s), best.w))
+      continue;
     errors_after(s, s->x[BY_L], w, rest);
     response_solve(&s->response, rest, t->steer, only_l, more);
     veto = more[BY_L] > 0 ? EDA_VETO_LONGER : EDA_VETO_SHORTER;
@@ -203,11 +206,6 @@ static double mask_expected_size(const newton *t, size_t i, biases next) {
   return hypot(errors_size(t, rest), errors_size(t, wrong));
 }
 
-/* Return the largest W whose ends are within their limits. */
-static double width_limit(const transistor *s) {
-  return s->outward_limit[0] + s->outward_limit[1];
-}
-
 /* Compute the move of W that corrects Ioff, and add its effect on L to dx. */
 static void move_with_leakage(const newton *t, const eda_feedback *f, size_t i,
                               uint32_t veto, double dx[MOVES]) {
@@ -231,41 +229,55 @@ static void move_with_leakage(const newton *t, const eda_feedback *f, size_t i,
 /* Return whether a move rounds to zero on the grid. */
 static int is_no_step(double steps) { return lround(steps) == 0; }
 
+/* Return the allowed part of a step of W. */
+static double width_bounded(const newton *t, const eda_feedback *f, size_t i,
+                            uint32_t veto, double dx, uint8_t *why) {
+  const transistor *s = &t->state[i];
+  double grid = f->gates->grid;
+  double most = fmin(t->max_bias, f->gates->width[i] / 2) / grid;
+  dx = move_bounded(s->x[BY_W], dx, most, veto & EDA_VETO_WIDER,
+                    veto & EDA_VETO_NARROWER, why);
+  return fmin(dx, fmax(width_limit(s) - s->x[BY_W], 0));
+}
+
 /* Return the mask after Newton's step of one transistor. W moves if the weights
    require W or L cannot correct Ion. Causes: L is vetoed or at the bound, or
    repairs of the regulator undo moves of L, so that the trust radius is below a
-   grid step. */
+   grid step. A W that cannot move either releases L. */
 static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
                           double enough, uint8_t *why, int *cut) {
   static const int only_w[MOVES] = {0, 1};
   const transistor *s = &t->state[i];
-  const eda_gates *g = f->gates;
   /* Vetoes belong to `now`; after a failure the step starts at `valid`. */
   uint32_t veto = s->failed ? 0 : f->vetoes[i];
-  double most_w = fmin(t->max_bias, g->width[i] / 2) / g->grid;
   int free[MOVES], repaired;
-  double dx[MOVES], wanted;
+  double dx[MOVES], by_w[MOVES], wanted;
   moves_free(t, free);
   repaired = !free[BY_W] && is_no_step(s->trust.radius);
   response_solve(&s->response, s->error, t->steer, free, dx);
+  response_solve(&s->response, s->error, t->weight, only_w, by_w);
   wanted = dx[BY_L];
   dx[BY_L] = trust_step(&s->trust, s->x[BY_L], wanted);
+  if (repaired &&
+      is_no_step(width_bounded(t, f, i, veto, by_w[BY_W], &(uint8_t){0}))) {
+    repaired = 0;
+    dx[BY_L] = fmin(fmax(wanted, -1), 1);
+  }
   *cut = dx[BY_L] != wanted;
   if (corrects_ioff(t) && f->iteration > 0)
     move_with_leakage(t, f, i, veto, dx);
-  dx[BY_L] = move_bounded(s->x[BY_L], dx[BY_L], t->max_bias / g->grid,
+  dx[BY_L] = move_bounded(s->x[BY_L], dx[BY_L], t->max_bias / f->gates->grid,
                           veto & EDA_VETO_LONGER, veto & EDA_VETO_SHORTER, why);
   if (repaired || (*why != MOVING && is_no_step(dx[BY_L])))
-    response_solve(&s->response, s->error, t->weight, only_w, dx);
-  dx[BY_W] = move_bounded(s->x[BY_W], dx[BY_W], most_w, veto & EDA_VETO_WIDER,
-                          veto & EDA_VETO_NARROWER, why);
-  dx[BY_W] = fmin(dx[BY_W], fmax(width_limit(s) - s->x[BY_W], 0));
+    memcpy(dx, by_w, sizeof dx);
+  dx[BY_W] = width_bounded(t, f, i, veto, dx[BY_W], why);
   biases next = s->valid;
   if (repaired)
     next.w += (int32_t)lround(dx[BY_W]);
   else
     next = mask_on_grid(t, f, i, dx, enough, *cut && !free[BY_W]);
-  next.aside = width_aside(s, next.w);
+  next.aside = t->settled && next.w == s->valid.w ? s->valid.aside
+                                                  : width_aside(s, next.w);
   return next;
 }
 
@@ -328,13 +340,6 @@ static biases mask_propose(newton *t, const eda_feedback *f, size_t i) {
 
 /* ---- work: termination ---- */
 
-/* Return the iteration in which transistors beyond the limit revert to `best`.
- */
-static int64_t last_move(const newton *t) {
-  int64_t most = tuned.settled[t->target] + tuned.polish + tuned.rest;
-  return t->target == PLAIN || t->iterations < most ? t->iterations : most;
-}
-
 /* Return whether transistors within the limit stop: further moves have little
    effect, but disturb neighbours and the regulator. */
 static int newton_is_late(const newton *t, int64_t print) {
@@ -343,8 +348,7 @@ static int newton_is_late(const newton *t, int64_t print) {
 
 static int is_within(const newton *t, size_t i) {
   const transistor *s = &t->state[i];
-  return !s->failed &&
-         s->size * fmin(t->goal[i].weight, 1) <= newton_ion_limit(t);
+  return !s->failed && s->size * fmin(t->goal[i].weight, 1) <= newton_stop(t);
 }
 
 /* ---- work: all transistors ---- */
@@ -373,8 +377,8 @@ static int newton_is_done(newton *t, int64_t print) {
   int unchanged = t->rest ? tuned.worthwhile * mean < before
                           : mean > tuned.worthwhile * before;
   t->mean = t->rest ? fmin(mean, before) : mean;
-  if (newton_is_late(t, print)) return worst <= newton_ion_limit(t);
-  return t->rest = worst <= newton_ion_limit(t) && !drifted &&
+  if (newton_is_late(t, print)) return worst <= newton_stop(t);
+  return t->rest = worst <= newton_stop(t) && !drifted &&
                    (mean <= newton_ion_limit(t) / tuned.mean_part || unchanged);
 }
 
@@ -403,7 +407,7 @@ static void transistor_decide(void *data, size_t i) {
   const decision *j = data;
   newton *t = j->t;
   transistor *s = &t->state[i];
-  int64_t k = j->f->iteration, last = last_move(t);
+  int64_t k = j->f->iteration, last = t->iterations;
   if (s->revert) {
     s->next = s->best;
     s->revert = 0;
@@ -425,7 +429,7 @@ static void transistor_decide(void *data, size_t i) {
 /* Report transistors beyond the limit whose next move was not made, once. */
 static void newton_log_unconverged(newton *t, int64_t print) {
   size_t open = 0;
-  if (t->reported || print < last_move(t)) return;
+  if (t->reported || print < t->iterations) return;
   for (size_t i = 0; i < t->count; i++)
     open += t->state[i].verdict == MOVING && t->goal[i].weight > 0 &&
             !(t->state[i].best_size <= newton_ion_limit(t));
@@ -433,7 +437,7 @@ static void newton_log_unconverged(newton *t, int64_t print) {
     t->host->log(t->host, OPC_LOG_FINDING,
                  "synthesizer.newton: not converged after %d iterations: %zu "
                  "of %zu transistors could move further",
-                 (int)last_move(t), open, t->count);
+                 (int)t->iterations, open, t->count);
   t->reported = 1;
 }
 
@@ -455,7 +459,7 @@ static int newton_update(void *self, const eda_feedback *f, eda_moves *moves,
   *done = 1;
   for (size_t i = 0; i < t->count; i++) {
     biases next = t->state[i].next;
-    if (f->iteration < last_move(t) && !biases_equal(next, t->state[i].now))
+    if (f->iteration < t->iterations && !biases_equal(next, t->state[i].now))
       *done = 0;
     moves->l[i] = next.l;
     moves->w[i] = next.w;

@@ -285,6 +285,17 @@ static void test_veto(void) {
   g_assert_cmpstr(s->verdict(m->self, 0), ==, "bridging");
 }
 
+/* The regulator undoes moves of L for some iterations. W reaches its bound of
+   10 nm, where a large error remains. L corrects this error as soon as L has an
+   effect again. */
+static void test_bound_releases_length(void) {
+  g_autoptr(opc_module) m = model_make("{ max_bias: 10 nm, iterations: 30 }");
+  model t = {.n = 1, .gain_l = 2.6, .gain_w = 1.05, .undone = 9};
+  t.off_l[0] = -7;
+  model_run(m, &t);
+  g_assert_cmpfloat(fabs(t.ion[0]), <=, 0.5);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/newton/ion", test_ion);
@@ -305,5 +316,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/newton/weights-of-plain", test_weights_of_plain);
   g_test_add_func("/newton/jog", test_jog);
   g_test_add_func("/newton/veto", test_veto);
+  g_test_add_func("/newton/bound-releases-length", test_bound_releases_length);
   return g_test_run();
 }

@@ -14,6 +14,10 @@
 
 double newton_ion_limit(const newton *t) { return t->ion_limit / 100; }
 
+double newton_stop(const newton *t) {
+  return (1 - tuned.reserve) * newton_ion_limit(t);
+}
+
 int biases_equal(biases a, biases b) {
   return a.l == b.l && a.w == b.w && a.jog == b.jog && a.aside == b.aside &&
          !memcmp(&a.shape, &b.shape, sizeof a.shape);
@@ -164,6 +168,13 @@ static void trust_update(const newton *t, transistor *s, const change *c,
     trust_judge(&s->trust, c->dx[BY_L], fabs(before), fabs(foreseen),
                 fabs(s->pull));
   trust_see(&s->trust, s->x[BY_L], s->pull);
+  /* W has moved because L had no effect: try L again. */
+  if (!corrects_ioff(t) && c->dx[BY_W] != 0)
+    s->trust.radius = fmax(s->trust.radius, 1);
+}
+
+double width_limit(const transistor *s) {
+  return s->outward_limit[0] + s->outward_limit[1];
 }
 
 int32_t width_aside(const transistor *s, int32_t w) {
@@ -231,7 +242,8 @@ static void transistor_update(const newton *t, transistor *s,
     s->response = s->first;
   else if (printed && moved)
     response_learn(&s->response, &s->first, c.dx, c.de, s->uncertainty);
-  s->disturbed |= (uint8_t)foreign;
+  /* A move may have an effect that the response does not predict. */
+  s->disturbed |= (uint8_t)(foreign && !moved);
   s->failed = 0;
   s->valid = now;
   memcpy(s->x, x, sizeof x);
@@ -244,8 +256,7 @@ static void transistor_update(const newton *t, transistor *s,
                 f->gates->grid);
   if (!first) trust_update(t, s, &c, f->iteration > 1 ? foreseen : NAN);
   keep_best(s, f->flags[i], first);
-  if (t->target == BALANCED && corrects_ioff(t) &&
-      f->iteration >= tuned.shapes[BALANCED])
+  if (corrects_ioff(t) && f->iteration >= tuned.shapes[BALANCED])
     bound_ends(t, s, f, i);
 }
 

@@ -89,6 +89,10 @@ int biases_equal(biases a, biases b);
 /* Return `ion_limit` as an error. */
 double newton_ion_limit(const newton *t);
 
+/* Return the error below which the method may stop: `ion_limit` less a reserve
+   for moves of neighbours and the accurate simulation. */
+double newton_stop(const newton *t);
+
 /* Return the size of errors: the root of the weighted sum of squares. */
 double errors_size(const newton *t, const double error[ERRORS]);
 
@@ -107,6 +111,9 @@ int newton_reshapes(const newton *t, const eda_feedback *f);
 
 /* Set free[m] to 1 for each move m that the weights require, else 0. */
 void moves_free(const newton *t, int free[MOVES]);
+
+/* Return the largest W whose ends are within their limits, grid steps. */
+double width_limit(const transistor *s);
 
 /* Return the shift of both ends of the width towards HIGH, grid steps, at a
    width bias `w`: if one end is at its limit, the other end moves further. */

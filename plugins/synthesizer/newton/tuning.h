@@ -14,10 +14,10 @@ static const struct {
   double trust[2], longest, open_step;
   double still, unforeseen, late, coupling, noise_floor;
   double odd_limit, odd_surprise, unanswered;
-  double coarse, worthwhile, mean_part, patience;
+  double coarse, worthwhile, mean_part, patience, reserve;
   double blur, short_end, past_end, before_end;
   double smooth, firm, local, tail, near_jog, leak, leaks;
-  uint32_t shapes[3], settled[3], polish, rest;
+  uint32_t shapes[3], settled[3], polish;
 } tuned = {
     /* ---- the first estimate of a response ---- */
 
@@ -157,8 +157,11 @@ static const struct {
     .shapes = {0, 2, 6},
     .settled = {0, 6, 9},
 
-    /* Iterations from `settled` until transistors within the limit stop, and
-       from there until all others stop. Fewer moves disturb neighbours less. */
+    /* Iterations from `settled` until transistors within the limit stop. Fewer
+       moves disturb neighbours less. */
     .polish = 2,
-    .rest = 3,
+
+    /* Part of `ion_limit` that is kept in reserve when the method stops, for
+       moves of neighbours and the accurate simulation: 0.1 % of Ion. */
+    .reserve = 0.2,
 };
