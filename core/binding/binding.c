@@ -97,8 +97,8 @@ static void bind_default(const binder *b, size_t i) {
 
 /* ---- the map ---- */
 
-/* Return the valid names at this level of dots: the next word of each parameter
-   whose name, or former name, begins with `prefix`. */
+/* Return the next word, up to a dot, of each parameter whose name or former
+   name begins with `prefix`. */
 static GPtrArray *level_names(const opc_plugin *plugin, const char *prefix) {
   GPtrArray *names = g_ptr_array_new_with_free_func(g_free);
   for (size_t i = 0; i < plugin->n_parameters; i++) {

@@ -16,8 +16,8 @@ static int publication_refuse(opc_run *run, const opc_error *error) {
   return error->code;
 }
 
-/* Fail inside a piece of work: each piece runs in only one of several
-   processes, so that the other processes would lack the publication. */
+/* Fail inside a work unit: each unit runs in only one of several processes, and
+   the other processes would lack the publication. */
 static gboolean in_piece(const opc_run *run, const char *name,
                          opc_error *error) {
   if (run->listener.piece)

@@ -13,7 +13,7 @@
 #include "core/run/reports.h"
 #include "core/run/steps.h"
 
-/* Open a temporary folder for a rank other than the first; removed later. */
+/* Create a temporary folder, removed by the run, for a rank above 0. */
 static void open_scratch(opc_run *run, opc_problems *problems) {
   g_autoptr(GError) fault = NULL;
   run->written.work = g_dir_make_tmp("opcflow-XXXXXX", &fault);

@@ -81,11 +81,11 @@ typedef struct opc_step {
   int (*restore)(void *self, const char *folder, void **outputs,
                  opc_error *error);
 
-  /* Make stand-ins of the outputs in less than a second: objects that are valid
-     for their kinds, such as a layout with all layers and few shapes. `opcflow
-     check` then asks later steps for their forecasts. May fail for the same
-     reasons as `run`. For steps that are not light. NULL: later steps are not
-     asked. [main] */
+  /* For steps without OPC_STEP_LIGHT: make stand-ins of the outputs in less
+     than a second, such as a layout with all layers and few shapes. The objects
+     are valid for their kinds. `opcflow check` then asks later steps for their
+     forecasts. May fail for the same reasons as `run`. NULL: later steps are
+     not asked. [main] */
   int (*sketch)(void *self, void **outputs, opc_error *error);
   OPC_MAY_GROW
 } opc_step;

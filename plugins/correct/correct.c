@@ -195,16 +195,16 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED(
         "margin", correct, with.margin, .type = OPC_REAL, .flags = OPC_AT_LEAST,
         .unit = "nm", .follows = FINE_MARGIN, .min = 0,
-        .summary = "Clear field around the layout, which repeats beyond; the "
-                   "default is a third without accurate simulations"),
+        .summary = "Width of the clear field around the layout; a third of "
+                   "this default without accurate simulations"),
     CORRECT_FINE(correct),
     CORNERS_PARAMETERS(correct),
     ASSISTS_PARAMETERS(correct),
     SEARCH_PARAMETERS(correct),
     CORRECT_GUARD(correct),
     CORRECT_ION_LIMIT(correct,
-                      "Largest allowed |Ion deviation|; the guard reverts "
-                      "a larger one only if the drawn mask has a smaller one"),
+                      "Largest allowed |Ion deviation|; the guard reverts a "
+                      "transistor above it if the deviation as drawn is less"),
     RULES_PARAMETERS(correct),
     OPC_PARAMETER(
         correct, trace, .type = OPC_BOOL, .preset = "false",

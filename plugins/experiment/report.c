@@ -11,7 +11,7 @@
 /* Largest width of the summary, in terminal columns. */
 enum { WIDEST = 100 };
 
-/* Metrics that methods optimise, of any step: the summary begins with these. */
+/* Metrics, of any step, that methods optimise: first columns of the summary. */
 static const char *const aims[] = {"ion_mean",  "ion_max", "ioff_mean",
                                    "area_mean", "shots",   "violations"};
 

@@ -333,7 +333,7 @@ int writer_check(writer *w, const write_format *format, opc_error *error) {
   for (size_t i = 0; i < w->layers.count; i++)
     if (!format->set_layer(w, w->layers.pairs[i].value))
       return opc_fail(error, OPC_INVALID, "layers",
-                      "'%s': a layer is written %s", w->layers.pairs[i].value,
-                      format->layer);
+                      "'%s': invalid layer (example: %s)",
+                      w->layers.pairs[i].value, format->layer);
   return OPC_OK;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the model-based placement of assist features. The process window
-   band is the area between the contours at two process conditions. The map is
-   the derivative of the area of this band by the mask transmission. */
+/* Implements the model-based placement of assist features (search.h). The map
+   is the derivative of the area of the process variability band by the mask
+   transmission. */
 #include <correct/search.h>
 
 #include <math.h>

@@ -98,7 +98,7 @@ static int orientations_of_layer(const opc_context *context,
   return code;
 }
 
-/* The smaller number of poly and active applies. */
+/* Sets *orientations to the smaller of the numbers for poly and active. */
 int correct_symmetry_find(const opc_context *context, const opc_module *litho,
                           int *orientations, opc_error *error) {
   int poly, active;

@@ -21,7 +21,7 @@ static const double first_window = 1e-9;
 /* Duration of a transient relative to the end of the last output slope. */
 static const double capacity_after = 1.3;
 
-/* Data shared by all jobs. Items are flips. */
+/* Data shared by all jobs. An item is a flip (delays.flip). */
 typedef struct study {
   const patterns *p;
   const delays *d;

@@ -410,8 +410,8 @@ int states_find(bench *b, machine *m, patterns *p, logic *l, opc_error *error) {
     m->next = (uint32_t *)array_keep(b, a.next, m->states * b->inputs,
                                      sizeof *m->next);
     b->host->log(b->host, OPC_LOG_INFO,
-                 "'%s' is sequential: %zu states including inputs are used, of "
-                 "%zu found; changes are %g ns apart",
+                 "'%s' is sequential: %zu of %zu states of inputs and nets are "
+                 "used; inputs change every %g ns",
                  b->circuit->name, m->states, all, 1e9 * m->phase);
     machine_warn(b, m);
     list_patterns(b, m, p, l);

@@ -23,10 +23,10 @@ static const struct {
   double radius_error, radius, gap;
   const char *margin;
 } tuned = {
-    /* Clear field 1, and nm for models of unknown bandwidth. Shapes beyond this
-       distance change an image by less than the error (eda_margin): 1.04 um at
-       193 nm, NA 0.75, sigma 0.75. The verification measures the remaining
-       error. */
+    /* Shapes beyond the radius change an image by less than this error (clear
+       field: 1; eda_margin). The radius is 1.04 um at 193 nm, NA 0.75, sigma
+       0.75, and .radius, nm, for models of unknown bandwidth. The verification
+       measures the remaining error. */
     .radius_error = 1e-3,
     .radius = 1000,
 
@@ -117,8 +117,8 @@ static int work_phase(work *w, double share, opc_error *error) {
   return OPC_OK;
 }
 
-/* Find the prints to correct individually that are not refined yet. Returns
-   their number. */
+/* Find the prints that exceed the limit and were not yet corrected
+   individually. Returns the number of these prints. */
 static size_t find_failing(work *w, uint32_t *prints) {
   const eda_chip *c = w->chip;
   uint8_t *used = eda_alloc(c->prints, 1);
@@ -263,7 +263,7 @@ static int find_symmetry(work *w, opc_error *error) {
   if (w->orientations < 8)
     w->host->log(
         w->host, OPC_LOG_INFO,
-        "the optics image %d of 8 orientations of a transistor equally",
+        "the optics have equal images of %d of 8 orientations of a transistor",
         w->orientations);
   return OPC_OK;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements smoothing: filling of notches and removal of bumps. A repaired
-   notch can no longer be detected on the mask, and its filling may protrude
-   after adjacent edges have moved. Therefore a smoothing is kept as long as its
-   straight edge is on the mask. */
+/* Implements smoothing: filling of notches and removal of bumps, which leaves a
+   straight edge. A repaired notch can no longer be detected on the mask, and
+   its filling may protrude after adjacent edges have moved. Therefore a
+   smoothing is kept as long as the mask contains its straight edge. */
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
@@ -21,9 +21,9 @@ static int is_between(int32_t v, int32_t a, int32_t b) {
   return a < b ? v >= a && v <= b : v >= b && v <= a;
 }
 
-/* Return 1 if an end of the straight edge is valid. A valid end is inside an
-   edge of the mask, or at a corner b that turns left for a bump, right for a
-   notch. Otherwise the smoothing protrudes. */
+/* Return 1 if an end of the straight edge is valid. Only an end at the corner b
+   of the mask corners a, b, c can be invalid: b must turn left for a bump,
+   right for a notch. Otherwise the smoothing protrudes. */
 static int is_valid_corner(const smoothing *m, eda_point end, eda_point a,
                            eda_point b, eda_point c) {
   return end.x != b.x || end.y != b.y || turns_left(a, b, c) == m->bump;

@@ -82,8 +82,8 @@ static int is_foreign(const newton *t, const transistor *s, const change *c) {
   return fabs(c->de[ION]) > most;
 }
 
-/* Update the best mask. After a change by other causes the present mask becomes
-   the best one, as the size of the earlier one is no longer valid. */
+/* Update the best mask. After a change by other causes, the present mask
+   becomes the best mask, because `best_size` is no longer valid. */
 static void keep_best(transistor *s, uint32_t flags, int first) {
   if (!first && !s->disturbed && s->size >= s->best_size &&
       !biases_equal(s->now, s->best))
@@ -93,7 +93,7 @@ static void keep_best(transistor *s, uint32_t flags, int first) {
   s->outside = (flags & EDA_PRINT_OUTSIDE) != 0;
 }
 
-/* Return the error of Ion alone that requires the same move of L. */
+/* Return the error of Ion that would require the same move of L by itself. */
 static double pull_of(const newton *t, const transistor *s) {
   int free[MOVES];
   double dx[MOVES];

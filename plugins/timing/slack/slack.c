@@ -356,8 +356,8 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(slack, weight, .type = OPC_REAL,
                   .flags = OPC_ABOVE | OPC_AT_MOST, .preset = "1", .min = 0,
                   .max = 1,
-                  .summary = "weight of lengthened transistors: divisor of the "
-                             "correction's tolerance"),
+                  .summary = "weight of lengthened transistors, which divides "
+                             "their tolerance in the correction"),
     TIMING_CONDITIONS(slack),
 };
 

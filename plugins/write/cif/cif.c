@@ -20,7 +20,7 @@ typedef struct cif {
   size_t changed; /* number of texts with replaced blanks */
 } cif;
 
-/* Largest number of calls in a file that replace arrays. */
+/* Largest number of calls that replace arrays in a file. */
 enum { MAX_CALLS = 1 << 24 };
 
 /* ---- work: names ---- */
@@ -68,8 +68,8 @@ static void at_layer(cif *w) {
 
 /* ---- work: the scale ---- */
 
-/* Convert v to the first fraction by continued fractions that equals v in
-   double precision. Return 0 if there is none. */
+/* Find the first convergent a / b of the continued fraction of v with a
+   relative error of at most 1e-14. Return 0 if there is none. */
 static int as_fraction(double v, int64_t *a, int64_t *b) {
   int64_t a0 = 1, b0 = 0, a1 = (int64_t)floor(v), b1 = 1;
   double rest = v - floor(v);

@@ -104,7 +104,7 @@ static void test_refusals(void) {
   g_assert_null(text);
   g_assert_nonnull(strstr(e.message, "cannot be represented in CIF"));
   g_assert_null(write_more(layout, ", layers: { poly: 'a b' }", &e));
-  g_assert_nonnull(strstr(e.message, "'a b': a layer is written CP"));
+  g_assert_nonnull(strstr(e.message, "'a b': invalid layer (example: CP)"));
   eda_layout_free(layout);
 }
 

@@ -413,7 +413,7 @@ static void test_layers(void) {
   g_assert_null(write_more("layout", layout, ", layers: { pluy: 9/0 }", &e));
   g_assert_nonnull(strstr(e.message, "'pluy': the layout has no such layer"));
   g_assert_null(write_more("layout", layout, ", layers: { poly: 9 }", &e));
-  g_assert_nonnull(strstr(e.message, "'9': a layer is written 9/0"));
+  g_assert_nonnull(strstr(e.message, "'9': invalid layer (example: 9/0)"));
   g_assert_null(write_more("layout", NULL, "", &e));
   g_assert_nonnull(strstr(e.message, "either 'layout' or 'mask'"));
   g_autofree char *path =

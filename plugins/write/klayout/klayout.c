@@ -276,8 +276,8 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(klayout, worst, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "20", .min = 0,
                   .max = 10000,
-                  .summary = "Number of transistors with the largest "
-                             "deviations marked for each figure"),
+                  .summary = "Number of marked transistors for each figure, "
+                             "those with the largest deviations"),
 };
 
 static int klayout_check(void *self, opc_error *error) {

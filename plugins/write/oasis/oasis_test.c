@@ -211,7 +211,7 @@ static void test_refusals(void) {
   g_assert_null(write_more("layout", layout, "", &e));
   g_assert_nonnull(strstr(e.message, "'poly': the layer has no number"));
   g_assert_null(write_more("layout", layout, ", layers: { poly: CP }", &e));
-  g_assert_nonnull(strstr(e.message, "'CP': a layer is written 9/0"));
+  g_assert_nonnull(strstr(e.message, "'CP': invalid layer (example: 9/0)"));
   eda_layout_free(layout);
 }
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Cells with more sheets have a hash table from layer to sheet. */
+/* Cells with more sheets (layout.h) have a hash table from layer to sheet. */
 enum { FEW_SHEETS = 16 };
 
 static int too_many(const char *what, opc_error *error) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Statements of a model library as texts. A device needs its model or
-   subcircuit and all models and subcircuits that needed statements name. Other
-   models and subcircuits are omitted. */
+/* Statements of a model library as texts. Only the models and subcircuits that
+   a device needs are kept: its model or subcircuit, and recursively all models
+   and subcircuits named in kept statements. */
 #include <eda/memory.h>
 #include <eda/models.h>
 #include <errno.h>
@@ -248,8 +248,8 @@ static void add_words(GHashTable *words, const piece *p) {
 }
 
 /* Return an array (free()) with 1 for each piece that the models `name` need:
-   models and subcircuits that needed pieces name, and all other statements that
-   begin with '.'. */
+   these models, recursively all models and subcircuits named in these pieces,
+   and all other statements that begin with '.'. */
 static char *find_needed(const eda_models *l, const char *name) {
   g_autoptr(GHashTable) words =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);

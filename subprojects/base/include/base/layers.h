@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Layers: trees of changes that are applied to another tree. Layers are a flow
-   that extends another flow, a variant, --set, a point of a sweep, and the map
+/* Layers: trees of changes that are applied to another tree. Examples: a flow
+   that extends another flow, a variant, --set, a point of a sweep, and a map
    that changes the default plugin of a slot. */
 #pragma once
 

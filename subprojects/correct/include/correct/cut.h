@@ -15,9 +15,9 @@ typedef struct cut_out {
   eda_box box;      /* bounding box of the cell, one grid step larger */
 } cut_out;
 
-/* Extract the cell of instance i in the sheet's top cell; neighbours return an
-   empty *out. Returns OPC_INVALID if library.sheet did not make the layout. The
-   caller frees *out with correct_cut_clear(). */
+/* Extract the cell of instance i in the sheet's top cell; *out is empty if the
+   instance is a neighbour. Returns OPC_INVALID if library.sheet did not make
+   the layout. The caller frees *out with correct_cut_clear(). */
 OPC_EXPORT int correct_cut_cell(const eda_gates *sheet,
                                 const eda_layout *layout, int32_t top, size_t i,
                                 cut_out *out, opc_error *error);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The guard reverts displacements until no transistor is worse in the final
-   mask than in the drawn mask. A transistor that prints as drawn then prints in
-   the final mask. Its edges violate no rule of the regulator that the drawn
-   mask satisfies. The |Ion deviation| of the transistor is at most the larger
-   of the value as drawn and the limit of the loop.
+   mask than in the drawn mask. A transistor is not worse if three conditions
+   hold. It prints if the drawn mask prints it. Its edges violate no rule of the
+   regulator that the drawn mask satisfies. Its |Ion deviation| is at most the
+   larger of the value as drawn and the limit of the loop.
 
    A worse transistor is reverted in steps: to its best displacements in the
    loop with the present line ends, to half of the best, to the drawn edges. If

@@ -16,8 +16,8 @@ typedef struct rules_row {
 } rules_row;
 
 /* Publish the table "mask_rules" and the metrics mask_violations,
-   mask_violations_added and mask_RULE. Violations are logged with their places,
-   as a finding if a rule has more of them in the mask than in the drawn layout.
+   mask_violations_added and mask_RULE. Log violations with their places, as a
+   finding if the mask violates any rule more often than the drawn layout.
    `rows` has EDA_RULES rows for each layer, in the order of the rules. */
 OPC_EXPORT int correct_rules_table(const opc_host *host, const rules_row *rows,
                                    size_t n, opc_error *error);
@@ -43,8 +43,8 @@ OPC_EXPORT int correct_rules_report(const opc_host *host,
                       "0.155 lambda/NA",                                   \
                       "Smallest allowed width of the mask"),               \
       RULES_PARAMETER(state, "min_edge", EDA_RULE_EDGE, "0.078 lambda/NA", \
-                      "Smallest allowed length of a mask edge next to a "  \
-                      "shorter one, as in successive steps"),              \
+                      "Smallest allowed length of a mask edge adjacent "   \
+                      "to an edge of equal or smaller length"),            \
       OPC_PARAMETER_NAMED(                                                 \
           "min_jog", state, with.rules[EDA_RULE_JOG], .type = OPC_REAL,    \
           .flags = OPC_AT_LEAST, .unit = "nm", .preset = "1 nm", .min = 0, \

@@ -73,7 +73,7 @@ OPC_EXPORT int correct_search_watch(struct loop *loop, int done,
       OPC_PARAMETER_NAMED("search.defocus", state, search.defocus,             \
                           .former = "seek.defocus", .type = OPC_REAL,          \
                           .unit = "nm", .follows = "0.073 lambda/NA^2",        \
-                          .summary = "Defocus of the band's lower dose"),      \
+                          .summary = "Defocus at the lower dose of the band"), \
       SEARCH_LENGTH(state, "least_width", least_width, "0.093 lambda/NA",      \
                     "Smallest width of a bar"),                                \
       SEARCH_LENGTH(state, "width", width, "0.249 lambda/NA",                  \

@@ -4,8 +4,8 @@
 
 #include <correct/edges.h>
 
-/* Number of displacements per gate in `biases`: w and aside of active; l, jog,
-   two line ends and EDA_PARTS parts of three numbers of poly. */
+/* Number of displacements per gate in `biases`. Active: w and aside. Poly: l,
+   jog, two line ends, and three numbers for each of EDA_PARTS parts. */
 enum {
   TRIAL_ACTIVE_BIASES = 2,
   TRIAL_POLY_BIASES = 4 + 3 * EDA_PARTS,

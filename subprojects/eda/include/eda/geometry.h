@@ -91,9 +91,9 @@ OPC_EXPORT int eda_is_box(const eda_point *points, size_t n);
 /* Return the bounding box of polygon i. [any] */
 OPC_EXPORT eda_box eda_shape_box(const eda_shapes *shapes, size_t i);
 
-/* Return `n` polygons with four corners each, all zero; eda_shapes_set_box sets
-   polygon i, after those before i, to the corners of a box, counter-clockwise
-   from the lowest left one. */
+/* Return `n` polygons of four corners, all zero. eda_shapes_set_box sets
+   polygon i to the corners of a box, counter-clockwise from the lower left
+   corner. Set the polygons in ascending order. */
 OPC_EXPORT eda_shapes eda_shapes_of_boxes(size_t n);
 OPC_EXPORT void eda_shapes_set_box(eda_shapes *shapes, size_t i, eda_box box);
 

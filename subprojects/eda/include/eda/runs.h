@@ -87,7 +87,7 @@ typedef struct eda_run_finding {
   const char *step, *text;
 } eda_run_finding;
 
-/* A requirement of the flow for a metric; `kept` is 1 if it is met. */
+/* A requirement of the flow for a metric. `kept`: 1 if `value` meets it. */
 typedef struct eda_run_requirement {
   const char *metric, *required, *unit; /* unit may be NULL */
   double value;                         /* NAN: no value */

@@ -27,8 +27,8 @@ typedef struct eda_segment_settings {
      and name in the layout. */
   const char *const *also;
   size_t also_count;
-  /* For windows. 1: set instance and cell of gates, which errors of notes then
-     name; 0: set "" to save memory. Numbers of gates in windows are 0, because
+  /* For windows. 1: set instance and cell of gates, and name them in errors of
+     notes; 0: set "" to save memory. Numbers of gates in windows are 0, because
      a window may contain a part of an instance. */
   int paths;
   /* Optional. Callback for messages to the user; not called for windows. Runs
@@ -36,8 +36,8 @@ typedef struct eda_segment_settings {
   void (*log)(void *data, int warning, const char *message);
   void *data;
   /* Flavours of transistors (eda/gates.h): two texts for each, name and marker
-     layers in the layout; of several layers, separated by blanks, all must
-     cover the gate. Since 0.6. */
+     layers in the layout, separated by blanks. All marker layers of a flavour
+     must cover the gate. Since 0.6. */
   const char *const *flavours;
   size_t flavour_count;
 } eda_segment_settings;
@@ -109,28 +109,28 @@ OPC_EXPORT double eda_segment_bytes(const eda_layout *layout, int32_t top,
   OPC_PARAMETER(                                                             \
       self, also, .type = OPC_MAP,                                           \
       .summary =                                                             \
-          "further layers to correct, by the places of their edges: { "      \
-          "metal1: M1 } calls the layout's M1 metal1"),                      \
+          "further layers to correct by edge placement, and their layers "   \
+          "in the layout: { metal1: M1 }"),                                  \
       OPC_PARAMETER(                                                         \
           self, flavours, .type = OPC_MAP,                                   \
           .summary =                                                         \
-              "transistors with device tables of their own, by the layers "  \
-              "that mark them: { lvt: LVTN, hv: HVI }; several layers, "     \
-              "with blanks between, must all cover a gate"),                 \
+              "transistor flavours (own device tables) and their marker "    \
+              "layers: { lvt: LVTN, hv: HVI }; several layers, separated "   \
+              "by blanks, must all cover a gate"),                           \
       OPC_PARAMETER(self, grid, .type = OPC_REAL, .flags = OPC_ABOVE,        \
                     .unit = "nm", .preset = "1 nm", .summary = "mask grid"), \
       OPC_PARAMETER(self, overhang, .type = OPC_REAL, .flags = OPC_AT_LEAST, \
                     .unit = "nm", .follows = "1.29 gate lengths",            \
                     .summary =                                               \
-                        "how far past the active a transistor owns "         \
-                        "the edges of a poly that goes on; at most 1 um, "   \
-                        "if not given"),                                     \
+                        "length beyond the active in which edges of a "      \
+                        "continuing poly belong to the transistor; "         \
+                        "default at most 1 um"),                             \
       OPC_PARAMETER(self, line_end, .type = OPC_REAL, .flags = OPC_AT_LEAST, \
                     .unit = "nm", .follows = "3.08 gate lengths",            \
                     .summary =                                               \
-                        "poly that ends within this distance of the "        \
-                        "active is the transistor's own line end; at most "  \
-                        "1 um, if not given")
+                        "largest distance from the active to a poly end "    \
+                        "that is the line end of the transistor; default "   \
+                        "at most 1 um")
 
 /* Initialise eda_segment_settings from these fields of a step. */
 #define EDA_SEGMENT_SETTINGS(self)                                         \

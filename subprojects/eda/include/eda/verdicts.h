@@ -41,7 +41,7 @@ typedef struct eda_change {
   double change;      /* from base to value */
   eda_median median;  /* of the changes of median.n cells or cases */
   int64_t n;          /* transistors or cases; 0: no run has the figure */
-  int64_t better, worse, same; /* numbers of these n */
+  int64_t better, worse, same; /* numbers of transistors or cases */
   int verdict;                 /* EDA_VERDICT_SAME ... */
   const char *word;            /* "same", "better", "worse", "too few" */
 } eda_change;
@@ -59,9 +59,9 @@ typedef struct eda_verdict {
 /* Compute the changes over n pairs of runs, one pair for each case; pairs with
    different transistors are omitted. Ion, Ioff and area are better or worse if
    the confidence interval over cells excludes 0 and the mean has changed in the
-   same direction; shots and seconds likewise, over cases. The change of the sum
-   decides for other figures, and with too few cases for shots and seconds
-   (above 10 %). The caller calls eda_verdict_clear, also after a failure.
+   same direction. The same applies to shots and seconds, over cases; with too
+   few cases, the change of their sum decides (seconds: above 10 %), as for all
+   other figures. The caller calls eda_verdict_clear, also after a failure.
    Errors: as eda_run_table. [main] */
 OPC_EXPORT int eda_verdict_init(eda_verdict *out, const char *method,
                                 const char *against, size_t n,
