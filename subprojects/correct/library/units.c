@@ -105,7 +105,7 @@ static int traverse_instance(traversal *w, int32_t cell, size_t i, turn at,
                              int depth) {
   int32_t child;
   eda_placement p;
-  turn one;
+  turn one = {0};
   (void)eda_layout_instance(w->layout, cell, i, &child, &p);
   if (!draws_below(w, child, 0)) return OPC_OK;
   int code = turn_of(w, child, &p, &one);
