@@ -186,22 +186,22 @@ static void test_check(void) {
   assert_refused(&t, "transistor 4 has no size");
   t.gate[3].box.y1 = t.gate[3].box.y0,
   assert_refused(&t, "transistor 4 has no size");
-  t.gate[4].box = t.gate[3].box, assert_refused(&t, "4 is out of order");
-  t.gate[2].box.y0 -= 1, assert_refused(&t, "2 is out of order");
-  t.gate[5].mask = 2, assert_refused(&t, "5 has no mask");
-  t.gate[5].print = 1, assert_refused(&t, "5 has no mask or no print");
-  t.gate[6].type = EDA_PMOS + 1, assert_refused(&t, "6 has no valid type");
+  t.gate[4].box = t.gate[3].box, assert_refused(&t, "5 is out of order");
+  t.gate[2].box.y0 -= 1, assert_refused(&t, "3 is out of order");
+  t.gate[5].mask = 2, assert_refused(&t, "6 has no mask");
+  t.gate[5].print = 1, assert_refused(&t, "6 has no mask or no print");
+  t.gate[6].type = EDA_PMOS + 1, assert_refused(&t, "7 has no valid type");
   t.gate[6].axis = EDA_Y + 1,
-  assert_refused(&t, "6 has no valid type, axis or flip");
+  assert_refused(&t, "7 has no valid type, axis or flip");
   t.gate[6].flip = 1 + (EDA_FLIP_L | EDA_FLIP_W),
-  assert_refused(&t, "6 has no valid type");
+  assert_refused(&t, "7 has no valid type");
   t.mask[1].parts = EDA_PARTS + 1, t.chip.parts = EDA_PARTS + 1;
-  assert_refused(&t, "mask 1 refers to parts");
+  assert_refused(&t, "mask 2 refers to parts");
   t.mask[1].part = 1, t.mask[1].parts = 2,
-  assert_refused(&t, "mask 1 refers to parts");
+  assert_refused(&t, "mask 2 refers to parts");
   t.mask[1].box = 2, t.mask[1].boxes = 1,
-  assert_refused(&t, "mask 1 refers to parts");
-  t.box[1].layer = 2, assert_refused(&t, "box 1 has no valid layer");
+  assert_refused(&t, "mask 2 refers to parts");
+  t.box[1].layer = 2, assert_refused(&t, "box 2 has no valid layer");
   /* The largest allowed numbers. */
   t.mask[1] = (eda_chip_mask){.part = 1, .parts = 1, .box = 1, .boxes = 1};
   g_assert_cmpint(eda_chip_check(&t.chip, &error), ==, OPC_OK);
