@@ -56,8 +56,8 @@ static void bind_slot(const binder *b, size_t i, const opc_node *node,
     g_autofree char *noun = opc_setting_noun(p);
     opc_wrong(b->problems, node, "'%s' needs %s", p->name, noun);
   } else if (b->depth == DEEPEST_SLOT) {
-    opc_problem_add(b->problems, OPC_INVALID, at, "slots deeper than %d",
-                    DEEPEST_SLOT);
+    opc_problem_add(b->problems, OPC_INVALID, at,
+                    "slots are nested deeper than %d", DEEPEST_SLOT);
   } else {
     binder deeper = *b;
     deeper.depth++;
@@ -185,8 +185,8 @@ static void bind_map(const binder *b, const opc_node *map, const char *prefix) {
   bind_group(b, undotted, prefix);
 }
 
-/* Treat values equal to the default as not given, because resolved flows
-   contain all values. */
+/* Mark values equal to the default as not given: a resolved flow contains all
+   values, and would otherwise differ from the original flow. */
 static void forget_defaults(const binder *b) {
   opc_binding *binding = b->binding;
   for (size_t i = 0; i < binding->plugin->n_parameters; i++) {

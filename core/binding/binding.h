@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Bindings: a binding is a plugin with the checked values of its parameters,
-   read from a map in a flow, its instance, and the bindings of its slots. */
+/* Bindings. A binding connects a plugin with a map in a flow. The binding holds
+   the checked values of the parameters, the instance of the plugin, and the
+   bindings of the plugins in its slots. */
 #pragma once
 
 #include <opcflow/inner.h>
@@ -31,11 +32,12 @@ struct opc_binding {
   GPtrArray *renamed;       /* char *: notes about former parameter names */
   opc_host *host;           /* set by opc_binding_create; host->data: the
                                binding */
-  void *run;                /* like->data of opc_binding_create */
+  void *run;                /* `like->data` as passed to opc_binding_create */
   opc_module module;        /* self is NULL before create */
   opc_inner *inner;         /* inner flow of the step; NULL: none */
   const opc_nested *nested; /* functions of `inner` */
-  struct opc_store *store;  /* store of results outside runs; NULL: none */
+  struct opc_store
+      *store; /* store of results, for hosts outside runs; NULL: none */
 };
 
 enum {
@@ -74,15 +76,17 @@ const void *opc_binding_service(const opc_host *host, const char *name);
    "'first.model' (model.wide)", or "command 'hello' (command.hello)". */
 char *opc_binding_label(const opc_binding *binding);
 
-/* Enclose a call of a function of the plugin: a crash report names the binding.
-   opc_binding_enter returns the argument of opc_binding_leave. */
+/* Mark the begin and the end of a call of a plugin's function, so that a crash
+   report names the binding. opc_binding_enter returns the argument of
+   opc_binding_leave. */
 const char *opc_binding_enter(const opc_binding *binding);
 void opc_binding_leave(const char *before);
 
-/* Add the problem that a function of the plugin reported in *error, and
-   terminate the texts of *error. With `run`, the label includes the plugins in
-   the slots on the path of the error's parameter: "step 'first' (sum), model
-   (model.wide)" for "model" or "model.width". Returns FALSE. */
+/* Add the error that a function of the plugin reported in *error as a problem.
+   Texts in *error may lack the terminating NUL, which is added. With `run`, the
+   label includes the plugins in the slots on the path of the error's parameter:
+   "step 'first' (sum), model (model.wide)" for "model" or "model.width".
+   Returns FALSE. */
 gboolean opc_binding_fail(const opc_binding *binding, gboolean run, int code,
                           opc_error *error, opc_problems *problems);
 
@@ -90,7 +94,8 @@ gboolean opc_binding_fail(const opc_binding *binding, gboolean run, int code,
 void opc_binding_free(opc_binding *binding);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_binding, opc_binding_free)
 
-/* Return the place where parameter i is set, or else that of the binding. */
+/* Return the place where parameter i is set; if parameter i is not set, the
+   place of the binding. */
 const opc_place *opc_binding_origin(const opc_binding *binding, size_t i);
 
 /* Return the place in the flow for an error of this instance: the place of

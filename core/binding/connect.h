@@ -8,7 +8,8 @@
    execution. */
 void opc_flow_connect(opc_flow *flow, opc_problems *problems);
 
-/* Return, by step number, whether a step must run (g_free). A step must run if
-   the step is not `given`, and the step or a dependent step is `wanted`. */
+/* Return, by step number, whether each step must run (g_free). A `wanted` step
+   must run, and so must every step that provides an input of a step that must
+   run. `given` steps never run. */
 gboolean *opc_flow_needed(const opc_flow *flow, const gboolean *wanted,
                           const gboolean *given);

@@ -12,7 +12,7 @@
 #include "core/plugin/declaration.h"
 
 enum {
-  MOST = 100000, /* layers of an axis; also the limit of points */
+  MOST = 100000, /* largest number of layers of an axis, and of points */
   DEEPEST = 4,   /* nested lists */
   LONGEST = 100  /* bytes of a layer's name, which is a folder name */
 };
@@ -297,8 +297,9 @@ static GPtrArray *parts_multiply(const expander *e, const item *it,
   return good ? g_steal_pointer(&out) : NULL;
 }
 
-/* Return the layer of the first value of each key that is not a pattern.
-   Patterns of other keys are expanded with this layer applied. */
+/* Return a layer with the first value of each key, without the keys whose first
+   value is a pattern. Patterns are expanded in a flow with this layer
+   applied. */
 static opc_node *plain_layer(const opc_node *map) {
   opc_node *plain = opc_node_map_new(map->source, &map->at);
   for (guint i = 0; i < map->items->len; i++) {

@@ -47,7 +47,7 @@ static void read_step(opc_flow *flow, const opc_node *key, const opc_node *node,
     opc_inner_open(step->binding, registry, flags, problems);
 }
 
-/* ---- the whole ---- */
+/* ---- flows ---- */
 
 /* Apply a value to the steps or to "require". */
 static void lay_one(opc_flow *flow, const char *path, const opc_place *key,

@@ -47,7 +47,7 @@ struct opc_flow {
   GPtrArray *sources;      /* opc_source *: one per --set */
   GPtrArray *steps;        /* opc_flow_step *, in file order */
   GPtrArray *order;        /* opc_flow_step *, in order of execution */
-  opc_node *demands;       /* "require"; NULL: none */
+  opc_node *demands;       /* section "require" of the flow; NULL: none */
   GPtrArray *requirements; /* opc_requirement * */
 };
 

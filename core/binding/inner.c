@@ -103,7 +103,7 @@ static void find_steps(opc_inner *inner, const opc_binding *b,
   }
 }
 
-/* ---- reading: the whole ---- */
+/* ---- reading: inner flows ---- */
 
 static void open_recipe(opc_inner *inner, const opc_binding *b,
                         opc_problems *problems) {
@@ -224,7 +224,7 @@ void opc_inner_visit(const opc_inner *inner,
   }
 }
 
-/* ---- asking ---- */
+/* ---- queries ---- */
 
 gboolean *opc_inner_needed(const opc_inner *in, const opc_flow *flow) {
   g_autofree gboolean *given = g_new0(gboolean, flow->steps->len);

@@ -6,8 +6,9 @@
 
 /* Return the output files named by parameters: name -> path of the instance
    that writes the file (freed with the table). Unless `problems` is NULL, adds
-   a problem for each file that two instances write, that is inside another
-   output file, or that is reserved for the run. */
+   a problem for each file that two instances write or that is reserved for the
+   run. A file inside a folder with the name of another output file also is a
+   problem (a/b and a/b/c). */
 GHashTable *opc_flow_outputs(const opc_flow *flow, opc_problems *problems);
 
 /* Number of files that a run itself writes. */

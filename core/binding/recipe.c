@@ -99,8 +99,8 @@ static char *next_file(const opc_recipe *recipe, const opc_node *extends,
 }
 
 /* Read a file and, recursively, the files that it extends. Returns FALSE and
-   adds a problem on failure. `from` is the `extends` of the extending file,
-   where an unreadable file is reported; NULL: none. */
+   adds a problem on failure. `from` is the value of `extends` that names this
+   file (NULL: none); an unreadable file is reported at the place of `from`. */
 static gboolean read_file(opc_recipe *recipe, const char *path,
                           const opc_node *from, opc_problems *problems) {
   g_autofree char *folder = g_path_get_dirname(path);
@@ -226,7 +226,7 @@ static void take_sweep(opc_recipe *recipe, const opc_node *root,
   }
 }
 
-/* ---- the whole ---- */
+/* ---- recipes ---- */
 
 opc_recipe *opc_recipe_read(const char *path, opc_problems *problems) {
   g_autoptr(opc_recipe) recipe = g_new0(opc_recipe, 1);

@@ -6,7 +6,7 @@
 #include <base/node.h>
 
 typedef struct opc_recipe {
-  char *path;               /* as given */
+  char *path;               /* as passed to opc_recipe_read */
   char *name, *description; /* of the first file; description may be NULL */
   GPtrArray *sources;       /* opc_source *: flow files, variants, list files */
   GPtrArray *roots;         /* opc_node *: one per file */

@@ -112,7 +112,7 @@ static gboolean read_text(const reader *in, opc_requirement *r,
   return TRUE;
 }
 
-/* ---- the tree ---- */
+/* ---- requirements ---- */
 
 static void read_one(const reader *in, const char *path, const opc_node *key,
                      const opc_node *value) {

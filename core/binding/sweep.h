@@ -61,7 +61,7 @@ unsigned opc_sweep_depth(const opc_sweep *sweep);
 struct opc_flow;
 unsigned *opc_sweep_levels(const opc_sweep *sweep, const struct opc_flow *flow);
 
-/* Return the index of the value of axis `a` at a point; the last varies
+/* Return the index of the value of axis `a` at a point; the last axis varies
    fastest. */
 guint opc_sweep_index(const opc_sweep *sweep, guint a, size_t point);
 

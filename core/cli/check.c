@@ -32,7 +32,7 @@ static void take_log(void *data, const char *path, int level,
 
 /* ---- forecasts of a run ---- */
 
-/* Memory, bytes, below which a forecast without a work text is not printed. */
+/* Least memory, bytes, for which a forecast without a work text is printed. */
 static const double little = 1e6;
 
 static void variant_forecast(const opc_recipe *recipe, const opc_choice *choice,
@@ -69,8 +69,8 @@ static GArray *open_files(const opc_recipe *recipe, const opc_choice *choice) {
 
 /* Report the required files that the flow or a variant does not name, and
    return whether any file is missing. Variants do not repeat files that are
-   missing in the flow. A missing file is no problem: the user adds the layout
-   to a process flow. */
+   missing in the flow. A missing file is no problem, because the user adds the
+   layout to a process flow. */
 static gboolean needs_files(const opc_recipe *recipe, const opc_choice *choice,
                             GHashTable *reported, JsonArray *missing) {
   g_autoptr(GArray) its = open_files(recipe, choice);

@@ -87,8 +87,8 @@ int cli_run_devel(const cli_verb *verb);
 /* Replace this process by a program with the same arguments, or return. */
 void cli_become(const char *program);
 
-/* Return a verb, built in or of a plugin, which is then loaded; NULL and *error
-   if unknown. */
+/* Return the verb `name`, built in or of a plugin; the plugin of the verb is
+   loaded. NULL and *error if unknown. */
 const cli_verb *cli_find_verb(const char *name, opc_error *error);
 
 /* Return the names of all visible verbs (char *, freed with the array). */

@@ -25,8 +25,8 @@ void cli_look_first(const char *folder) {
   g_ptr_array_insert(folders, 0, (char *)folder);
 }
 
-/* Warn of folders in which every user could place a plugin, and so run code as
-   this user. */
+/* Warn of folders that every user can write to: a plugin placed there by
+   another user would run with the rights of this user. */
 static void folders_check(const GPtrArray *list) {
   struct stat s;
   for (guint i = 0; i < list->len; i++)

@@ -58,13 +58,14 @@ const opc_plugin *opc_timeout_add(opc_plugin *plugin) {
          offset = (plugin->instance_size + width - 1) / width * width;
   /* opc_declared_copy leaves space for one element. */
   ((opc_parameter *)plugin->parameters)[plugin->n_parameters++] =
-      (opc_parameter){timeout_name,
-                      OPC_REAL,
-                      OPC_ABOVE | OPC_NO_EFFECT,
-                      "s",
-                      .summary = "Time limit; the step fails beyond it",
-                      .offset = offset,
-                      .width = width};
+      (opc_parameter){
+          timeout_name,
+          OPC_REAL,
+          OPC_ABOVE | OPC_NO_EFFECT,
+          "s",
+          .summary = "Time limit; a step that exceeds the limit fails",
+          .offset = offset,
+          .width = width};
   plugin->instance_size = offset + width;
   return plugin;
 }
@@ -95,7 +96,7 @@ gconstpointer opc_declared_copy(gconstpointer from, size_t n, size_t theirs,
   return copy;
 }
 
-/* ---- soundness ---- */
+/* ---- validity ---- */
 
 /* Return the first fault of a parameter that a constant text describes, as text
    to append to the parameter's name; NULL if none. */

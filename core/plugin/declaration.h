@@ -23,9 +23,11 @@ const opc_metric *opc_metric_find(const opc_plugin *plugin, const char *name);
 const opc_metric *opc_metric_check(const opc_plugin *plugin, const char *name,
                                    double value, opc_error *error);
 
-/* Append the time limit `timeout` to the parameters of a step, stored behind
-   the plugin's part of the instance, unless the plugin has a parameter of this
-   name. opc_timeout_find returns the index of the limit; -1 if missing. */
+/* opc_timeout_add: append the parameter `timeout` (time limit, s) to the
+   parameters of a step, unless the plugin itself has a parameter of this name;
+   return `plugin`. The field follows the plugin's part of the instance.
+   opc_timeout_find: return the index of the appended parameter; -1 if there is
+   none. */
 const opc_plugin *opc_timeout_add(opc_plugin *plugin);
 int opc_timeout_find(const opc_plugin *plugin);
 

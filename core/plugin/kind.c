@@ -7,7 +7,7 @@
 
 #include "core/plugin/declaration.h"
 
-/* ---- the kernel's own ---- */
+/* ---- built-in kinds ---- */
 
 static const opc_function step_functions[] = {OPC_FUNCTION(opc_step, run)};
 static const opc_function command_functions[] = {
@@ -28,7 +28,7 @@ static const struct {
       .functions = step_functions}},
 };
 
-/* ---- finding ---- */
+/* ---- search ---- */
 
 const opc_kind *opc_kind_of(opc_registry *registry, const char *name,
                             opc_error *error) {
@@ -64,7 +64,7 @@ GPtrArray *opc_kind_names(const opc_registry *registry) {
   return names;
 }
 
-/* ---- soundness ---- */
+/* ---- validity ---- */
 
 static char *ports_fault(opc_step *step) {
   step->outputs = OPC_DECLARED_COPY(opc_port, release, step->outputs,

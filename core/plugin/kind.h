@@ -9,8 +9,9 @@
 const opc_kind *opc_kind_of(opc_registry *registry, const char *name,
                             opc_error *error);
 
-/* Return the declaration of a kind that has the tests of plugins: that of the
-   plugin "kind.NAME", or else the built-in one. NULL if both are missing. */
+/* Return the declaration of a kind that contains the tests of its plugins. For
+   the built-in kinds, this is the plugin "kind.NAME" if present, else the
+   built-in declaration. NULL if the kind is unknown. */
 const opc_kind *opc_kind_trials(opc_registry *registry, const char *name);
 
 /* Replace the functions in the copy of a descriptor (opc_plugin_copy) by a copy

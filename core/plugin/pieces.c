@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/* ---- one ---- */
+/* ---- one piece ---- */
 
 typedef struct buffer {
   opc_bytes bytes; /* must be first: cast from opc_bytes */
@@ -48,7 +48,7 @@ int opc_piece_take(const opc_pieces *p, size_t i, const void *bytes,
   return code ? piece_fail(p, i, code, error) : OPC_OK;
 }
 
-/* ---- all ---- */
+/* ---- all pieces ---- */
 
 opc_pieces opc_pieces_copy(const opc_pieces *theirs, size_t size) {
   opc_pieces own = {.data = NULL};

@@ -62,8 +62,8 @@ static void add_standard_folders(opc_registry *registry) {
   g_autofree char *folder = opc_executable_folder();
   if (folder) add_folder(registry, g_build_filename(folder, "plugins", NULL));
   if (!system) return;
-  /* The XDG specification requires programs to ignore a relative folder, as
-     plugins in the working folder must not be loaded without a request. */
+  /* Ignore a relative folder, as the XDG specification requires; plugins in the
+     working folder would otherwise be loaded without a request. */
   const char *data = g_get_user_data_dir();
   if (g_path_is_absolute(data))
     add_folder(registry, g_build_filename(data, "opcflow", "plugins", NULL));

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Loads a plugin in a child process. If loading crashes or does not end, the
-   plugin is not usable, for that reason. */
+/* Loads a plugin in a child process. A plugin that crashes or exceeds the time
+   limit during loading is reported as not usable, with the reason. */
 #include <errno.h>
 #include <guard/child.h>
 #include <guard/process.h>

@@ -7,7 +7,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* ---- keeping ---- */
+/* ---- copies ---- */
 
 void *opc_table_add(opc_table *table, const char *name, const char *unit,
                     uint32_t type, int32_t decimals) {

@@ -14,9 +14,9 @@ void opc_call_set_inputs(const opc_run *run, const opc_flow_step *step,
 int opc_call_check(const opc_run *run, const opc_flow_step *step,
                    opc_error *error);
 
-/* Return the forecast of a step whose inputs are present in *out; zeros if the
-   step has none. Returns OPC_OK, or a code and *error, also if the step needs
-   more memory than the machine has. */
+/* Store the forecast of a step in *out; zeros if the step has no forecast. The
+   inputs of the step must be present. Returns OPC_OK, or a code and *error,
+   also if the step needs more memory than the machine has. */
 int opc_call_forecast(const opc_run *run, const opc_flow_step *step,
                       opc_forecast *out, opc_error *error);
 

@@ -41,7 +41,8 @@ static opc_inner_runs *runs_of(const opc_host *host) {
   return opc_inner_of(host)->runs;
 }
 
-/* Store the outputs of the outer flow's steps as those of the given steps. */
+/* Use the inputs of the calling step as outputs of the given steps of the inner
+   flow. */
 static void put_given(const opc_inner *in, opc_run *run) {
   const opc_binding *b = in->binding;
   for (size_t i = 0; i < b->plugin->n_parameters; i++) {
@@ -55,8 +56,8 @@ static void put_given(const opc_inner *in, opc_run *run) {
 
 /* ---- running: messages and progress ---- */
 
-/* Pass on a message of a run that is kept. The other points log similar
-   messages, which are dropped. */
+/* Pass on a message of a run that is kept. Messages of other runs are dropped,
+   because they repeat at every point. */
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
   const opc_inner_runs *runs = data;
@@ -67,8 +68,8 @@ static void take_log(void *data, const char *path, int level,
   watch->log(watch->data, whole, level, message);
 }
 
-/* Report the number of finished points, with the fraction `part` of the points
-   of the current run. */
+/* Report the progress: the finished points, and the fraction `part` of the
+   points that the current run counts as. */
 static void runs_progress(const opc_inner_runs *runs, double part) {
   const opc_host *host = runs->in->binding->host;
   const opc_progress progress = {

@@ -38,6 +38,7 @@ char *opc_binding_key(const opc_binding *binding, opc_store *store,
                       opc_error *error);
 
 /* Return a text about the change of one fact: "step.size changed from 1 nm to 2
-   nm" (g_free). `step` is the name of the step. An opc_fact_text. */
+   nm" (g_free). `step` is the name of the step. The function is of the type
+   opc_fact_text (store/facts.h). */
 char *opc_key_difference(const void *step, char about, const char *path,
                          const char *before, const char *now);

@@ -12,8 +12,8 @@
 
 /* ---- one run ---- */
 
-/* Use the outputs of `from`, including outputs that `from` uses of lower
-   levels. Steps are matched by name, because a layer may add or remove
+/* Use the outputs of `from`, including outputs that `from` itself uses from
+   lower levels. Steps are matched by name, because a layer may add or remove
    steps. */
 static void run_borrow(opc_run *run, opc_run *from) {
   run->kept.base = from;

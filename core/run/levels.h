@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Runs of a flow at the points of a sweep. A level is the set of steps with the
-   same last axis that changes them. Level 0, the trunk: no axis changes the
-   steps, which run once. Level i + 1: axis i of layers is the last axis that
-   changes the steps, which run again if one of the axes 0 to i changes its
-   value. Last level: swept parameters change the steps, which run at each
-   point. */
+/* Runs of a flow at the points of a sweep. Each step belongs to the level of
+   the last axis that changes the step. Level 0, the trunk: steps that no axis
+   changes; they run once. Level i + 1: steps whose last axis is axis i of
+   layers; they run again if the value of one of the axes 0 to i changes. Last
+   level: steps that a swept parameter changes; they run at each point. */
 #pragma once
 
 #include "core/run/run.h"
@@ -46,7 +45,7 @@ void opc_levels_forget_stopped(opc_levels *levels);
 /* Return the folder of a level (g_free). */
 char *opc_levels_folder(const opc_levels *levels, unsigned level);
 
-/* Write the resolved flow and the metrics of a point's run into its folder, or
-   remove the folder (`keep` FALSE). */
+/* Write the resolved flow and the metrics of a point's run into the folder of
+   the run; with `keep` FALSE, remove the folder. */
 void opc_levels_close(const opc_run *run, gboolean keep,
                       opc_problems *problems);

@@ -82,8 +82,8 @@ static gboolean note_in_piece(opc_run *run, const char *path, int level,
 
 /* ---- passing on ---- */
 
-/* Pass on a message. A step that runs again for its outputs is silent: the
-   messages were reported before. */
+/* Pass on a message. A step that runs again only to make its outputs logs
+   nothing, because its messages were reported before. */
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
   opc_run *run = data;

@@ -67,7 +67,7 @@ void opc_pieces_drop(opc_run *run) {
     opc_store_drop(run->options->store, run->kept.pieces->pdata[i]);
 }
 
-/* ---- one ---- */
+/* ---- one piece ---- */
 
 /* Compute a piece. Messages are packed and replayed when the result is taken,
    or at once if the piece fails. */
@@ -123,8 +123,8 @@ static void kept_done(void *data, size_t n) {
   if (p->done) p->done(p->data, n);
 }
 
-/* Log time and memory of the pieces: the user can estimate the cost of a larger
-   layout. */
+/* Log time and memory of the pieces, so that the user can estimate the cost of
+   a larger layout. */
 static void cost_report(const opc_host *host, const keeper *k) {
   const opc_pieces *p = k->pieces;
   double end = (double)(g_get_monotonic_time() - k->last) * 1e-6;
@@ -137,7 +137,7 @@ static void cost_report(const opc_host *host, const keeper *k) {
       p->count ? (double)k->bytes / (double)p->count : 0);
 }
 
-/* ---- among ranks ---- */
+/* ---- distribution over ranks ---- */
 
 static double unit_cost(void *data, size_t i) {
   const opc_pieces *p = ((const keeper *)data)->pieces;

@@ -20,8 +20,8 @@ static void store_warn(opc_run *run) {
   if (text) run->listener.watch.log(run, "store", OPC_LOG_WARNING, text);
 }
 
-/* Go to the containing run, and prefix the path with the step whose inner flow
-   was left. */
+/* Replace *run by the run that contains *run, and prefix the path with the name
+   of the step that runs the inner flow. */
 static void run_go_up(opc_run **run, char **path) {
   *run = (*run)->main;
   if (!*run || !(*run)->at) return;
@@ -70,7 +70,7 @@ static void rerun_record(opc_run *run, const opc_flow_step *step,
   g_free(path);
 }
 
-/* ---- why ---- */
+/* ---- reasons ---- */
 
 /* Return the key in the store for the facts of a step, by step name and plugin
    (g_free). */
@@ -105,9 +105,9 @@ static const opc_flow_step *step_of_base(const opc_run *run,
                         : NULL;
 }
 
-/* Set the keys of the given steps in an inner flow. Inputs of the outer step
-   replace the outputs of given steps, so the keys are those of the outer flow's
-   steps. */
+/* Set the keys of the given steps in an inner flow. An input of the calling
+   step replaces the output of a given step, so the key is that of the step of
+   the outer flow that provides the input. */
 static void take_given(opc_run *run) {
   const opc_flow_step *outer = run->main ? run->main->at : NULL;
   for (guint i = 0; outer && i < outer->inputs->len; i++) {
@@ -143,7 +143,7 @@ static char *name_of(const opc_key *key, const char *ending) {
   return g_strconcat(key->sum, ending, NULL);
 }
 
-/* ---- taking and keeping ---- */
+/* ---- loading and storing results ---- */
 
 /* Return the stored result of a step; NULL: none. A step with an inner flow
    always runs: the steps of that flow are reused. */

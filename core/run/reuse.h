@@ -12,7 +12,8 @@ void opc_reuse_begin(opc_run *run);
 gboolean opc_reuse_take(opc_run *run, const opc_flow_step *step,
                         opc_problems *problems);
 
-/* Log the steps of a run that were reused and did not run for their outputs. */
+/* Log the steps of a run that were reused and that did not run again to make
+   their outputs. */
 void opc_reuse_report(const opc_run *run);
 
 /* Store the result of a step that ran, with the tables from index `tables`. */

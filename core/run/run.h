@@ -33,7 +33,7 @@ typedef struct opc_listener {
   const opc_watch *to; /* receiver of the messages */
   GMutex lock;         /* guards findings, `messages` and `piece` */
   size_t point;        /* running point of a sweep; 0: none */
-  gboolean silent;     /* a step runs again for its outputs only */
+  gboolean silent;     /* a step runs again only to make its outputs */
   GPtrArray *messages; /* opc_message * of the running step; NULL: too many */
   GPtrArray *piece;    /* opc_message * of the running piece; NULL: none */
 } opc_listener;

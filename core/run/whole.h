@@ -6,9 +6,10 @@
 
 /* Run a valid flow; `flow` is the first point of the sweep of `choice`. Steps
    that no swept parameter changes, directly or through a dependency, run once;
-   the other steps run for each point. Only the table of the sweep reports the
-   failure of a point. Returns a run (never NULL), failed if a problem was
-   added; `out.folder` then holds the finished files, if any. */
+   the other steps run for each point. The failure of a point does not end the
+   run; the table of the sweep reports the failure. Returns a run (never NULL),
+   failed if a problem was added; `out.folder` then holds the finished files, if
+   any. */
 opc_run *opc_run_flow(opc_flow *flow, const opc_choice *choice,
                       opc_registry *registry, const opc_run_options *options,
                       const opc_watch *watch, opc_problems *problems);

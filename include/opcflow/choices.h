@@ -12,8 +12,8 @@ OPC_C_BEGIN
 
 typedef struct opc_choices {
   /* Call `take` once with each allowed value of `parameter`, in any order;
-     `take` copies the value. Inputs may be NULL. Returns 0, or an error code
-     with *error filled. [main] */
+     `take` copies the value. Fields of inputs (OPC_INPUT) may be NULL. Returns
+     0, or an error code with *error filled. [main] */
   int (*list)(void *self, const char *parameter,
               void (*take)(void *data, const char *value), void *data,
               opc_error *error);

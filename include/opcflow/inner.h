@@ -78,8 +78,8 @@ typedef struct opc_inner_service {
   /* `metric`: return the declaration of the metric with the path "step.metric".
      `output`: return the name of `step` if that step has an output of the data
      kind; if `step` is NULL, the name of the first step with such an output.
-     Only the steps requested by these calls run, and the steps that provide
-     their inputs; without any request, all steps run. */
+     Later runs execute only the steps named in calls of `metric` and `output`,
+     and the steps that provide their inputs; without such calls, all steps. */
   const opc_metric *(*metric)(const opc_host *host, const char *path,
                               opc_error *error);
   const char *(*output)(const opc_host *host, const char *step,

@@ -22,10 +22,10 @@ struct opc_bytes {
    their first argument.
 
    The result of `work` must depend only on i, on the step's inputs and on
-   earlier calls of `take`, and must be equal in every process. The host keeps
-   warnings and findings that `work` logs with the result, and logs them before
-   `take`. `work` must not publish tables and metrics; publish them in `take` or
-   later. */
+   earlier calls of `take`, and must be equal in every process. The host stores
+   the warnings and findings of `work` together with the result, and logs them
+   again before it calls `take`. `work` must not publish tables and metrics;
+   publish them in `take` or later. */
 typedef struct opc_pieces {
   void *data;
   const char *name; /* name of a unit: "window"; unique among the lists of a

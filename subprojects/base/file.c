@@ -47,7 +47,7 @@ GPtrArray *opc_folder_names(const char *folder) {
   return names;
 }
 
-/* ---- names of other things ---- */
+/* ---- names ---- */
 
 static const char name_letters[] =
     G_CSET_a_2_z G_CSET_A_2_Z G_CSET_DIGITS "_-.";
@@ -69,7 +69,7 @@ gboolean opc_is_id(const char *name) {
   return !start;
 }
 
-/* ---- where a program is ---- */
+/* ---- folders of the executable ---- */
 
 char *opc_executable_folder(void) {
   g_autofree char *executable = g_file_read_link("/proc/self/exe", NULL);

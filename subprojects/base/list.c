@@ -133,7 +133,7 @@ static opc_node *read_csv(const opc_source *source, const char *text,
   return NULL;
 }
 
-/* ---- the whole ---- */
+/* ---- files ---- */
 
 opc_node *opc_list_read(const opc_source *source, const char *path,
                         const opc_place *at, opc_problems *problems) {

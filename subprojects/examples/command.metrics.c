@@ -111,8 +111,9 @@ static int metrics_run(void *self, size_t n, const char *const *arguments,
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    OPC_PARAMETER(metrics, step, .type = OPC_TEXT,
-                  .summary = "show those of this step alone"),
+    OPC_PARAMETER(
+        metrics, step, .type = OPC_TEXT,
+        .summary = "step whose metrics are shown (default: all steps)"),
 };
 
 /* ---- entry ---- */

@@ -10,7 +10,7 @@ typedef struct kind {
   const opc_host *host;
 } kind;
 
-/* ---- trying one ---- */
+/* ---- test of a plugin ---- */
 
 /* Test the delays for currents of small to large transistors. */
 static void exercise(const opc_module *module, opc_inspector *inspector) {
@@ -21,13 +21,14 @@ static void exercise(const opc_module *module, opc_inspector *inspector) {
     if (!(delay > 0) || !isfinite(delay))
       inspector->find(inspector, "delay: %g s for %g A", delay, ion);
     else if (delay > last)
-      inspector->find(inspector, "delay: a larger current has a longer delay");
+      inspector->find(inspector,
+                      "delay: a larger current results in a longer delay");
     last = delay;
     inspector->add(inspector, &delay, sizeof delay);
   }
 }
 
-/* ---- a new one ---- */
+/* ---- template ---- */
 
 static const opc_template templates[] = {
     {"@ID@.c",
@@ -69,6 +70,6 @@ static const opc_kind functions = {
 
 OPC_PLUGIN(kind, .id = "kind.timing", .kind = "kind", .version = "1.0.0",
            .licence = "BSD-3-Clause",
-           .summary = "timing models: how long a transistor takes",
+           .summary = "timing models: delay of a transistor",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_FUNCTIONS(functions));

@@ -59,11 +59,10 @@ static int delays_run(void *self, void **outputs, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(delays, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "mask",
-                  .summary = "the mask whose transistors are timed"),
+                  .choices = "mask", .summary = "mask with the transistors"),
     OPC_PARAMETER(delays, timing, .type = OPC_SLOT,
                   .preset = "{ use: timing.cv }", .choices = "timing",
-                  .summary = "the timing model"),
+                  .summary = "timing model"),
 };
 
 static const opc_metric metrics[] = {
@@ -75,8 +74,7 @@ static const opc_metric metrics[] = {
 static const opc_step functions = {.run = delays_run};
 
 OPC_PLUGIN(delays, .id = "list.delays", .kind = "step", .version = "1.0.0",
-           .licence = "BSD-3-Clause",
-           .summary = "how long each transistor takes",
+           .licence = "BSD-3-Clause", .summary = "delay of each transistor",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
            OPC_FUNCTIONS(functions));

@@ -68,11 +68,10 @@ static int worst_run(void *self, void **outputs, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(list, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "mask",
-                  .summary = "the mask whose transistors are listed"),
+                  .choices = "mask", .summary = "mask with the transistors"),
     OPC_PARAMETER(list, most, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "10", .min = 1,
-                  .max = 1000000, .summary = "how many at most"),
+                  .max = 1000000, .summary = "largest number of rows"),
 };
 
 static const opc_metric metrics[] = {
@@ -83,9 +82,9 @@ static const opc_metric metrics[] = {
 
 static const opc_step functions = {.run = worst_run};
 
-OPC_PLUGIN(list, .id = "list.worst", .kind = "step", .version = "1.0.0",
-           .licence = "BSD-3-Clause",
-           .summary = "the transistors furthest from their drawn current",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
-           OPC_FUNCTIONS(functions));
+OPC_PLUGIN(
+    list, .id = "list.worst", .kind = "step", .version = "1.0.0",
+    .licence = "BSD-3-Clause",
+    .summary = "transistors with the largest deviation of the on current",
+    .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
+    OPC_METRICS(metrics), OPC_FUNCTIONS(functions));

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Run the flow with the plugins of this project, and look at the run with the
-# verb that one of them brings: run.sh OPCFLOW FLOW FOLDER.
+# Run the flow with the plugins of this project, and check the metrics of the
+# run by the verb of command.metrics: run.sh OPCFLOW FLOW FOLDER.
 set -eu
 opcflow=$1 flow=$2 folder=$3
 
@@ -18,7 +18,7 @@ fail() {
 grep -q '"synthesizer.bisect"' "$folder/manifest.json" ||
   fail "synthesizer.bisect had no part in it"
 
-# Corrected to 1 %.
+# The largest deviation must be below 1 %.
 worst=$(sed -n '2s/.*,//p' "$folder/worst.csv" | tr -d '\r-')
 echo "$worst" | awk '{ exit !($1 > 0 && $1 < 1) }' ||
   fail "worst deviation: $worst %"

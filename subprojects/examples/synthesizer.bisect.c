@@ -15,7 +15,7 @@ typedef struct range {
   int32_t low, high; /* grid steps: largest length known to be too short, least
                         known to be too long */
   int32_t best;
-  double deviation; /* of the best length, % */
+  double deviation; /* deviation at the best length so far, % */
 } range;
 
 typedef struct bisect {
@@ -38,8 +38,8 @@ static int bisect_begin(void *self, const eda_feedback *f, opc_error *error) {
   return OPC_OK;
 }
 
-/* Return the next length to try after the length `l` with that deviation, or
-   the best length at the end. */
+/* Return the next length to try, after the length `l` resulted in `deviation`
+   (%); at the end, the best length. */
 static int32_t next_length(range *r, int32_t l, double deviation,
                            double limit) {
   if (fabs(deviation) < fabs(r->deviation)) {
@@ -81,11 +81,12 @@ static const char *bisect_verdict(const void *self, size_t gate) {
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(bisect, ion_limit, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "%", .preset = "0.5 %",
-                  .summary = "deviation of the on current that is good enough"),
+                  .summary = "deviation of the on current at which the "
+                             "correction of a transistor ends"),
     OPC_PARAMETER(bisect, max_bias, .type = OPC_REAL,
                   .flags = OPC_ABOVE | OPC_AT_MOST, .unit = "nm",
                   .preset = "32 nm", .max = 1000,
-                  .summary = "how far a length may change"),
+                  .summary = "largest change of a length"),
 };
 
 static void bisect_clear(void *self) { free(((bisect *)self)->ranges); }

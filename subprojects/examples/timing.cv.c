@@ -18,7 +18,7 @@ static double cv_delay(const void *self, double ion, double area) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(cv, supply, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "V",
-                  .preset = "1.1 V", .summary = "the supply voltage"),
+                  .preset = "1.1 V", .summary = "supply voltage"),
     OPC_PARAMETER(
         cv, capacitance, .type = OPC_REAL, .flags = OPC_ABOVE,
         .preset = "0.0173",

@@ -104,7 +104,8 @@ static void add_text(const char *text) {
 /* Write `where` and the words (until NULL), keep the run folder, and exit. */
 _Noreturn static void process_end(const char *const *words, int code) {
   static int taken;
-  /* Only the first thread writes; other threads pause until the exit. */
+  /* Only the first thread writes; other threads pause until the process
+     ends. */
   while (__atomic_exchange_n(&taken, 1, __ATOMIC_SEQ_CST)) pause();
   add_text(wipe);
   add_text(*where ? where : "error");
@@ -143,7 +144,7 @@ _Noreturn static void plugin_blame(const char *id, const char *what,
 
 /* ---- present plugins ---- */
 
-/* State of a thread, read by other threads. */
+/* State of a thread; other threads read the state. */
 typedef struct worker {
   const char *inside;  /* plugin that runs in the thread; NULL: the command */
   const char *suspect; /* plugin that ran since the last check; NULL: none */
@@ -188,7 +189,7 @@ static int add_others(char *list, size_t capacity, int n, int suspects) {
   return n;
 }
 
-/* Report a change of the process, which the plugin `id` or a plugin of another
+/* Report a change of the process that the plugin `id` or a plugin in another
    thread has made. */
 static void blame_all(const char *id, const char *what, const char *detail) {
   char list[1024] = "";
@@ -260,7 +261,8 @@ static double time_now(void) {
   return (double)t.tv_sec + (double)t.tv_nsec * 1e-9;
 }
 
-/* Check, without system calls, after each call of a plugin. */
+/* Check the state of this thread. Called after each call of a plugin; makes no
+   system call. */
 static void guard_check_thread(void) {
   const char *what = process_thread_change();
   if (forked) plugin_blame(me.inside, "forked and continued", "");

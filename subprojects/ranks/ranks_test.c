@@ -110,13 +110,13 @@ static void test_meet(void) {
   assert_true(code == OPC_FAILED &&
                   g_str_has_prefix(error.message, "rank 2 on ") &&
                   strstr(error.message, "does not run the same as rank 0"),
-              "a rank that is elsewhere is named");
+              "the message names a rank that is at another call");
   error = (opc_error){0};
   if (group->rank) opc_fail(&error, OPC_IO, NULL, "disk %d", group->rank);
   code = group->meet("here", error.code, &error);
   assert_true(code == OPC_IO && g_str_has_prefix(error.message, "rank 1 on ") &&
                   g_str_has_suffix(error.message, ": disk 1"),
-              "of several faults that of the lowest rank counts");
+              "of several faults, the fault of the lowest rank is returned");
 }
 
 static int go_on(void) { return 0; }

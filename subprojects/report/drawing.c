@@ -14,18 +14,20 @@
 
 /* ---- state ---- */
 
-/* Contours are found in tiles, in parallel. The grid step is `finest` nm, or
-   larger to limit the number of nodes. The step is at most `coarsest` nm or the
-   grid step of the simulation, a quarter of the shortest period of the image.
-   At twice that step, lines of 65 nm would break. */
+/* Contours are computed in tiles of `tile` nm, in parallel. The grid step is
+   `finest` nm, or larger, so that large areas have at most `nodes` nodes. The
+   upper limit of the step is `coarsest` nm or, if larger, the grid step of the
+   simulation (a quarter of the shortest period of the image). At twice this
+   largest step, contours of 65 nm lines would break. */
 static const double tile = 4000, finest = 10, coarsest = 30, nodes = 2e6;
 static const double unit = 0.5; /* resolution of contour points, nm */
 /* Largest deviation of a chord from the contour, and of omitted points from the
    line between their neighbours, nm. */
 static const double straight = 0.4;
 static const double around = 400; /* margin around a worst transistor, nm */
-/* An image with NA 0.75 at 193 nm has no period below 129 nm; pixels above a
-   third of that are coarse. This number of pixels takes 0.05 s and 0.4 MB. */
+/* Limits of the pixel size, nm, and of the number of pixels. An image with NA
+   0.75 at 193 nm has no period below 129 nm, and pixels larger than a third of
+   this period look coarse. 6e5 pixels take 0.05 s and 0.4 MB. */
 static const double finest_pixel = 16, coarsest_pixel = 48, pixels = 6e5;
 
 /* Growing array of numbers. */
@@ -39,8 +41,8 @@ typedef struct outlines {
   numbers sizes, places;
 } outlines;
 
-/* Part of the layout to write: windows in nm; the entire layout without an
-   index, which is in grid units. */
+/* Part of the layout to write: windows in nm, and an index of the windows in
+   grid units; NULL: the entire layout. */
 typedef struct part {
   eda_frame *window;
   size_t count;
@@ -121,7 +123,8 @@ static part drawing_tiles(const eda_gates *g) {
   return p;
 }
 
-/* Return 1 for transistor layers, corrected layers and contacts. */
+/* Return 1 for the layers to write: transistor layers, corrected layers and
+   contacts. */
 static int is_shown(const eda_gates *g, size_t layer) {
   return layer <= EDA_ACTIVE || g->corrected[layer] ||
          (int)layer == eda_gates_layer(g, "contact");
@@ -391,7 +394,7 @@ static void write_polygons(drawing *d, size_t layer, const char *role,
   outlines_clear(&o);
 }
 
-/* Write the contours of a print, if it exists. */
+/* Write the contours of a layer, if the layer was simulated. */
 static int write_print(drawing *d, size_t layer, const char *role,
                        const eda_field *print, opc_error *error) {
   outlines o = {0};

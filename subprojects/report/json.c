@@ -7,8 +7,8 @@
 #include <string.h>
 #include <zlib.h>
 
-/* Higher levels take three times as long for 5 % less, for masks and contours
-   of 7858 transistors. */
+/* Compression level of zlib. Higher levels take three times as long and save 5
+   % of the bytes (masks and contours of 7858 transistors). */
 enum { LEVEL = 4 };
 
 void json_text(GString *out, const char *text) {

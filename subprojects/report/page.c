@@ -62,7 +62,8 @@ static int is_wanted(const char *table, const char *column) {
   return 0;
 }
 
-/* Append a column: numbers if all are, else texts, with null for empty ones. */
+/* Append a column: numbers if all cells are numbers, else texts; null for empty
+   cells. */
 static void add_column(GString *out, eda_table *t, size_t column) {
   const double *number = eda_table_numbers(t, column);
   const char *unit = eda_table_unit(t, column);
@@ -400,7 +401,8 @@ void page_clear(page *p) {
   g_ptr_array_free(p->places, TRUE);
 }
 
-/* Append the files with this suffix, for @STYLE@ and @SCRIPT@. */
+/* Append the contents of all page files with the suffix `end`, in place of
+   @STYLE@ or @SCRIPT@. */
 static void append_files(GString *out, const char *end) {
   for (size_t i = 0; i < G_N_ELEMENTS(samples); i++)
     if (g_str_has_suffix(samples[i].name, end))

@@ -58,7 +58,7 @@ function summary() {
   ...(cases.length > 1 ? [{name: 'case', text: true, cell: r => r.case}] : []),
   ...used.map(([name, label]) => ({name: label, unit: unit(name), cell: r => metric_cell(r, metric_named(r, name))})),
   {name: 'time', unit: 's', cell: r => number(r.seconds ?? NaN)}];
-  const each = table(`Each run, by its own model. ${DELTA}` + (runs.some(r => r.running) ? ' This run was not yet at its end.' : ''), columns, runs);
+  const each = table(`Each run, measured with its own model. ${DELTA}` + (runs.some(r => r.running) ? ' The run that wrote this page had not ended.' : ''), columns, runs);
   const pooled = cases.length > 1 ? by_method() : null;
   section('summary', 'Summary', notes(), verdicts(), pooled,
     pooled && runs.length > 24 ? el('details', null, el('summary', null, `Each of the ${runs.length} runs`), each) : each,
@@ -79,16 +79,16 @@ function verdicts() {
   return [el('div', {class: 'note'}, el('h3', null, 'Verdicts'), el('ul', null, few.map(v => el('li', null, v.text)),
     all.length > few.length ? el('li', null, `${all.length - few.length} more in the table below`) : null)),
   el('details', null, el('summary', null, 'Changes and 95 % intervals'),
-    table('Change from the second method to the first: medians over cells or cases, by the verification where the runs have one',
+    table('Change from the second method to the first: medians over cells or cases, from the verification if the runs have one',
       [{name: 'methods', text: true, cell: v => v.method + ' against ' + v.against},
         ...figures.map(([name, c]) => ({name: c.title, unit: c.unit, cell: v => cell(v.changes[name])}))], all))];
 }
 
-/* Of many texts the first ones, and how many more there are. */
+/* Return the first ten of more than twelve texts, and the number of the others. */
 const first_of = texts => (texts.length > 12 ? [...texts.slice(0, 10), `and ${texts.length - 10} more`] : texts);
 
 const notes = () => (data.missing.length
-  ? el('div', {class: 'note'}, el('h3', null, 'What is not here'), el('ul', null, first_of(data.missing).map(m => el('li', null, m)))) : null);
+  ? el('div', {class: 'note'}, el('h3', null, 'Missing parts'), el('ul', null, first_of(data.missing).map(m => el('li', null, m)))) : null);
 
 /* All transistors of a method, in all cases that are asked for. */
 function pool(method, only) {
@@ -112,7 +112,7 @@ const size = Math.abs;
 const off_line = p => mean(p.pairs.map(q => size(q[0] - q[1])));
 
 function by_method() {
-  return table(`Each method, all transistors of ${cases.length} cases, by its own model. ${DELTA}`, [
+  return table(`Each method, all transistors of ${cases.length} cases, measured with its own model. ${DELTA}`, [
     {name: 'method', text: true, cell: m => m.name}, {name: 'transistors', cell: m => number(m.ion.length)},
     {name: 'mean |ΔIon|', unit: '%', cell: m => number(mean(m.ion.map(size)))},
     {name: 'max |ΔIon|', unit: '%', cell: m => number(largest(m.ion.map(size)))},
@@ -127,7 +127,7 @@ function by_method() {
 function requirements() {
   const broken = runs.flatMap(r => r.requirements.filter(q => !q.kept).map(q => ({run: name_of(r), ...q})));
   if (!broken.length) return null;
-  return table('Requirements that were not kept', [{name: 'run', text: true, cell: q => q.run},
+  return table('Requirements that were not met', [{name: 'run', text: true, cell: q => q.run},
     {name: 'metric', text: true, cell: q => q.metric}, {name: 'required', text: true, cell: q => q.required},
     {name: 'is', cell: q => quantity(q.value, q.unit)}], broken);
 }
@@ -153,8 +153,8 @@ function charts() {
 function charts_of(only) {
   const pools = methods.map(m => pool(m, only));
   const performance = [el('h3', null, 'Deviation from the design'), histograms(pools), el('h3', null, 'Drive current against gate area'),
-    el('p', {class: 'about'}, 'To first order, a gate’s delay is off by its load’s capacitance, which goes as the area of gates, ' +
-      'less its drive current (Δt/t ≈ ΔC/C − ΔIon/Ion): on the line where both are equal, the delay is as designed.'),
+    el('p', {class: 'about'}, 'To first order, the relative delay error of a gate is that of its load capacitance, which is proportional to the gate area, ' +
+      'minus that of its drive current (Δt/t ≈ ΔC/C − ΔIon/Ion). On the line where both are equal, the delay is as designed.'),
     scatters(pools), el('h3', null, 'Deviation against width'), against_width(pools)];
   return [pools.some(p => p.ion.length) ? performance : null, convergence(only)];
 }
@@ -281,7 +281,7 @@ function layout() {
   if (!shown.length) return;
   const viewer = new Viewer(shown), worst = el('div');
   section('layout', 'Layout', shown.some(r => !r.view.whole)
-    ? el('p', {class: 'about'}, 'Of layouts with many transistors, all of them are here as boxes, and all shapes around the worst.') : null, viewer.element);
+    ? el('p', {class: 'about'}, 'A layout with many transistors shows each transistor as a box, and shapes only around the worst transistors.') : null, viewer.element);
   section('worst', 'The worst ten', worst);
   const show = () => viewer.open().then(() => worst_ten(worst, viewer));
   viewer.first.addEventListener('change', show);

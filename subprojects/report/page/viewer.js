@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The viewer: panes of one layout that move together, by pointer and keyboard. */
+/* The viewer: pictures of one layout side by side, moved and zoomed together by pointer and keyboard. */
 
-const HELP = 'Arrows go from transistor to transistor, Page Down and Page Up from the worst to the next; ' +
-  '+ and \u2212 zoom, 0 shows all, Shift with arrows moves the picture, Escape leaves the transistor.';
+const HELP = 'Arrow keys select a neighbouring transistor, Page Down and Page Up the next or previous one in order of deviation; ' +
+  '+ and \u2212 zoom, 0 shows the whole layout, Shift with arrow keys moves the picture, Escape ends the selection.';
 const STATES = {before: 'as drawn', after: 'corrected', change: 'change of |deviation|'};
 const ROLES = {drawn: 'drawn', mask: 'mask (dashed)', print: 'printed', image: 'image of the poly', violations: 'violations'};
 

@@ -12,9 +12,9 @@
 const char *guard_enter(const char *id);
 void guard_leave(const char *before);
 
-/* Enclose each task of a plugin that distributes tasks over threads: guard_join
-   before the task, guard_part after the task. Call guard_gather once before all
-   tasks. [any] */
+/* Attribute tasks that a plugin distributes over threads to that plugin `id`.
+   Call guard_gather once before all tasks, guard_join before each task, and
+   guard_part with the result of guard_join after the task. [any] */
 void guard_gather(void);
 const char *guard_join(const char *id);
 void guard_part(const char *before);

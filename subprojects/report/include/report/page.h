@@ -22,9 +22,9 @@ void page_clear(page *p);
    code. */
 int page_add(page *p, const char *folder, opc_error *error);
 
-/* Add one run: of a case (may be NULL) by a method (NULL: named after its
-   folder). `running`: 1 for the run in progress that writes the page. Returns
-   OPC_OK or an error code. */
+/* Add one run of the case `of_case` (may be NULL) by a method (NULL: the name
+   of the folder). `running`: 1 for the run in progress that writes the page.
+   Returns OPC_OK or an error code. */
 int page_add_run(page *p, const char *folder, const char *of_case,
                  const char *method, int running, opc_error *error);
 
@@ -35,7 +35,7 @@ void page_lacks(page *p, const char *format, ...) OPC_PRINTF(2, 3);
    with the parameter `file`. */
 int page_write(page *p, const char *title, const char *path, opc_error *error);
 
-/* Parameter of page_init; the default loads in two seconds. */
+/* Parameter of page_init; the page of the default size loads in two seconds. */
 #define PAGE_LIMIT(state, member)                                        \
   OPC_PARAMETER_NAMED(                                                   \
       "size_limit", state, member, .type = OPC_REAL, .flags = OPC_ABOVE, \
