@@ -6,20 +6,15 @@
 #include <eda/memory.h>
 #include <eda/pool.h>
 #include <eda/words.h>
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #define CONTEXT_CELL "$$$CONTEXT_INFO$$$"
 
 /* Bytes between two updates of progress and checks for cancellation. */
 enum { STRETCH = 1 << 20 };
-
-/* Largest file, 8 GiB: more than any layout that fits into memory. */
-#define MOST_BYTES ((size_t)1 << 33)
 
 char *reader_string(const void *bytes, size_t n) {
   const char *from = bytes;
@@ -35,40 +30,6 @@ char *reader_string(const void *bytes, size_t n) {
 
 /* ---- the file ---- */
 
-/* Read the whole file into memory, because a change of a mapped file could end
-   the process. Reject files that are not regular, because they may be endless
-   (/dev/zero). */
-static void load_file(reading *b) {
-  struct stat about = {0};
-  size_t capacity = 0, got = 1;
-  if (!stat(b->r->file, &about) &&
-      (!S_ISREG(about.st_mode) || (size_t)about.st_size >= MOST_BYTES)) {
-    b->failed = opc_fail(b->error, OPC_IO, NULL, "'%s': %s", b->r->file,
-                         S_ISREG(about.st_mode) ? "is larger than 8 GiB"
-                                                : "is not a regular file");
-    return;
-  }
-  FILE *file = fopen(b->r->file, "rb");
-  if (file) eda_grow(&b->bytes, &capacity, (size_t)about.st_size + 1, 1);
-  while (file && got && b->n < MOST_BYTES) {
-    if (opc_cancelled(b->r->host->context)) {
-      b->failed = opc_fail(b->error, OPC_CANCELLED, NULL, "cancelled");
-      break;
-    }
-    eda_grow(&b->bytes, &capacity, b->n + 1, 1);
-    got = fread(b->bytes + b->n, 1, MIN(capacity - b->n, STRETCH), file);
-    b->n += got;
-  }
-  if (!file || ferror(file))
-    b->failed = opc_fail(b->error, OPC_IO, NULL, "'%s': %s", b->r->file,
-                         strerror(errno));
-  else if (b->n >= MOST_BYTES)
-    b->failed = opc_fail(b->error, OPC_IO, NULL, "'%s': more than %zu bytes",
-                         b->r->file, MOST_BYTES);
-  if (file) fclose(file);
-  b->text = b->n ? b->bytes : "";
-}
-
 /* Fail if the file has another known format; the message names the reader for
    that format. */
 static void check_format(reading *b) {
@@ -79,9 +40,10 @@ static void check_format(reading *b) {
   } formats[] = {{"\0\6\0\2", 4, "GDSII", "read.gds"},
                  {"%SEMI-OASIS\r\n", 13, "OASIS", "read.oasis"},
                  {"BEGIN", 5, "GLP", "read.glp"}};
+  size_t n = 0;
+  const uint8_t *first = b->failed ? NULL : reading_view(b, 0, 16, &n);
   for (size_t i = 0; i < G_N_ELEMENTS(formats) && !b->failed; i++)
-    if (b->n >= formats[i].n &&
-        !memcmp(b->text, formats[i].start, formats[i].n) &&
+    if (n >= formats[i].n && !memcmp(first, formats[i].start, formats[i].n) &&
         strcmp(b->format, formats[i].name) != 0)
       b->failed =
           opc_fail(b->error, OPC_IO, NULL,
@@ -345,8 +307,7 @@ int reading_run(void *state, void *self, void **outputs, opc_error *error,
   b->cell = b->top = -1;
   b->seen = eda_alloc(b->r->layers.count, 1);
   b->layers = g_hash_table_new_full(g_int64_hash, g_int64_equal, free, NULL);
-  load_file(b);
-  reading_unzip(b);
+  reading_open(b);
   check_format(b);
   if (!b->failed) read(b);
   if (!b->failed) b->failed = check_layers(b);
@@ -356,7 +317,7 @@ int reading_run(void *state, void *self, void **outputs, opc_error *error,
     b->failed = reading_keep_top(b);
   }
   outputs[0] = b->layout;
-  g_clear_pointer(&b->bytes, free);
+  reading_close(b);
   g_clear_pointer(&b->there, g_array_unref);
   g_hash_table_unref(b->layers);
   free(b->seen);

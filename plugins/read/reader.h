@@ -99,8 +99,10 @@ typedef struct reading {
   /* Fail with OPC_IO and the place in the file, unless a failure exists. */
   void (*refuse)(void *reading, const char *what);
 
-  char *bytes;             /* of the file */
-  const char *text;        /* the same n bytes */
+  int file;         /* descriptor; -1: `bytes` holds all bytes */
+  char *bytes;      /* `held` bytes of the file from `start` on */
+  const char *text; /* all bytes, after reading_text */
+  size_t start, held, capacity;
   size_t n, next_progress; /* size; place of the next progress update */
 
   eda_layout *layout;
@@ -135,8 +137,35 @@ int32_t reading_number(reading *b, int32_t number);
 int32_t reading_named_layer(reading *b, const char *name);
 int32_t reading_numbered_layer(reading *b, uint32_t layer, uint32_t datatype);
 
-/* Decompress the bytes of the file if they are a gzip stream. */
-void reading_unzip(reading *b);
+/* bytes.c: open the file; a gzip stream is decompressed into memory.
+   reading_close frees the bytes. */
+void reading_open(reading *b);
+void reading_close(reading *b);
+
+/* Return a second reading of the same bytes; valid until the first one is
+   closed. Free `bytes` unless `file` is -1. */
+reading reading_again(const reading *from, opc_error *error);
+
+/* Move the window so that it begins at byte `at` and contains `want` bytes, or
+   all up to the end of the file. */
+void reading_load(reading *b, size_t at, size_t want);
+
+/* Return the *got bytes from byte `at` on that are in memory: at least `want`,
+   or all up to the end of the file; none after a failure. Valid until the next
+   call. */
+static inline const uint8_t *reading_view(reading *b, size_t at, size_t want,
+                                          size_t *got) {
+  size_t end = b->start + b->held;
+  if (b->file >= 0 &&
+      (at < b->start || at > end || (end - at < want && end < b->n)))
+    reading_load(b, at, want);
+  *got = b->start + b->held - at;
+  if (b->failed) *got = 0;
+  return (const uint8_t *)b->bytes + (at - b->start);
+}
+
+/* Set `text` to all bytes of the file. Return 0 after a failure. */
+int reading_text(reading *b);
 
 /* Start the definition of a cell, in formats that may place cells without
    definition. Sets b->cell; -1 for a cell that is not part of the layout

@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <ftw.h>
 #include <glib/gstdio.h>
+#include <nettle/sha2.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -40,8 +41,9 @@ char *opc_file_sha256(const char *path, const opc_context *context,
   struct stat about;
   int file = open_regular(path, &about, error);
   if (file < 0) return NULL;
-  g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
-  guchar buffer[65536];
+  struct sha256_ctx sum;
+  uint8_t buffer[65536];
+  sha256_init(&sum);
   int code = OPC_OK;
   /* Only the size at the start is read: a writer might append without end. */
   for (off_t left = about.st_size; left > 0 && !code;) {
@@ -54,11 +56,17 @@ char *opc_file_sha256(const char *path, const opc_context *context,
                       "'%s': became shorter while it was read", path);
     else if (opc_cancelled(context))
       code = opc_fail(error, OPC_CANCELLED, NULL, "stopped");
-    if (n > 0) g_checksum_update(sum, buffer, n);
+    if (n > 0) sha256_update(&sum, (size_t)n, buffer);
     left -= n;
   }
   close(file);
-  return code ? NULL : g_strdup(g_checksum_get_string(sum));
+  if (code) return NULL;
+  uint8_t digest[SHA256_DIGEST_SIZE];
+  char *text = g_malloc0(2 * sizeof digest + 1);
+  sha256_digest(&sum, sizeof digest, digest);
+  for (size_t i = 0; i < sizeof digest; i++)
+    sprintf(text + 2 * i, "%02x", digest[i]);
+  return text;
 }
 
 /* Write a text and close the file. Return 0 or an errno. */

@@ -23,6 +23,7 @@ void cif_refuse(void *self, const char *what) {
 
 static void read_file(void *self) {
   cif *c = self;
+  if (!reading_text(&c->b)) return;
   cif_parse(c);
   if (c->b.failed) return;
   cif_make_cells(c);

@@ -11,6 +11,9 @@
    their names may take 64 times as many bytes. */
 enum { MAX_APART = 1 << 20 };
 
+/* Largest number of bytes of a record: its length has 16 bits. */
+enum { MOST_RECORD = 1 << 16 };
+
 /* ---- state ---- */
 
 /* Data of the current element. */
@@ -36,7 +39,7 @@ typedef struct gds {
                       record */
   uint32_t type;   /* type of the current record, and its n bytes of data,
                       even */
-  const uint8_t *data;
+  const uint8_t *data; /* valid until the next record */
   size_t n;
   size_t apart;
   int absolute; /* 1: a placement has absolute angle or magnification */
@@ -54,8 +57,9 @@ static void gds_refuse(void *self, const char *what) {
 
 /* Read the header of the next record. Return 0 on failure. */
 static int gds_next(gds *g) {
-  const uint8_t *p = (const uint8_t *)g->b.text + g->next;
-  size_t left = g->b.n - g->next, length = left < 4 ? 4 : eda_gds_u16(p);
+  size_t left;
+  const uint8_t *p = reading_view(&g->b, g->next, MOST_RECORD, &left);
+  size_t length = left < 4 ? 4 : eda_gds_u16(p);
   g->at = g->next;
   if (!left)
     gds_refuse(g, "ends before ENDLIB,");
@@ -309,11 +313,11 @@ static void add_placement(gds *g) {
 
 /* ---- work: cells and the library ---- */
 
-/* Reset the data of an element. */
+/* Reset the data of an element; most elements have no strings. */
 static void element_clear(element *e) {
-  g_free(e->name);
-  g_free(e->string);
-  g_free(e->instance);
+  if (e->name) g_free(e->name);
+  if (e->string) g_free(e->string);
+  if (e->instance) g_free(e->instance);
   *e = (element){.layer = -1,
                  .datatype = -1,
                  .magnification = 1,

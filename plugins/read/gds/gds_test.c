@@ -248,6 +248,49 @@ static void test_odd_records(void) {
   eda_layout_free(layout);
 }
 
+/* Test a file larger than the reader's window, with records up to 64 KB: every
+   point is read. */
+static void test_large(void) {
+  enum { POLYGONS = 600, MOST = 8190 };
+  GByteArray *file = new_file();
+  GArray *sizes = g_array_new(FALSE, FALSE, sizeof(int32_t));
+  GRand *rand = g_rand_new_with_seed(4);
+  put_cell(file, "TOP");
+  uint8_t *data = g_malloc(8 * MOST);
+  for (int32_t i = 0; i < POLYGONS; i++) {
+    int32_t n = i % 8 ? 5 : g_rand_int_range(rand, 5, MOST);
+    for (int32_t k = 0; k < n; k++) {
+      eda_gds_put_i32(data + 8 * k, i);
+      eda_gds_put_i32(data + 8 * k + 4, k * k % 1013);
+    }
+    put_empty(file, EDA_GDS_BOUNDARY);
+    put_u16(file, EDA_GDS_LAYER, 1);
+    put_u16(file, EDA_GDS_DATATYPE, 0);
+    record_put(file, EDA_GDS_XY, EDA_GDS_INT4, data, 8 * (size_t)n);
+    put_empty(file, EDA_GDS_ENDEL);
+    g_array_append_val(sizes, n);
+  }
+  put_empty(file, EDA_GDS_ENDSTR);
+  put_empty(file, EDA_GDS_ENDLIB);
+  g_assert_cmpuint(file->len, >, 2 << 20);
+  g_autofree char *path = file_save(file);
+  eda_layout *layout = read_good(path, "");
+  g_assert_cmpuint(eda_layout_polygons(layout, 0), ==, POLYGONS);
+  for (int32_t i = 0; i < POLYGONS; i++) {
+    size_t n;
+    int32_t layer;
+    const eda_point *p = eda_layout_polygon(layout, 0, (size_t)i, &n, &layer);
+    g_assert_cmpuint(n, ==, g_array_index(sizes, int32_t, i));
+    for (int32_t k = 0; k < (int32_t)n; k++)
+      g_assert_true(p[k].x == i && p[k].y == k * k % 1013);
+  }
+  eda_layout_free(layout);
+  g_free(data);
+  g_rand_free(rand);
+  g_array_free(sizes, TRUE);
+  g_byte_array_free(file, TRUE);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/read-gds/drawn", test_drawn);
@@ -256,5 +299,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/read-gds/parameters", test_parameters);
   g_test_add_func("/read-gds/placements", test_placements);
   g_test_add_func("/read-gds/odd-records", test_odd_records);
+  g_test_add_func("/read-gds/large", test_large);
   return g_test_run();
 }

@@ -201,6 +201,7 @@ static int take_record(clip *c) {
 
 static void read_clip(void *self) {
   clip *c = self;
+  if (!reading_text(&c->b)) return;
   c->at = c->line_start = c->b.text;
   while (take_record(c))
     if (!next_line(c)) {

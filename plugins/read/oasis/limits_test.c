@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests of repetitions that end at the limits of coordinates, or one unit
-   beyond, against the places of all members computed one by one. */
+   beyond, against the places of all members computed one by one. Also a file
+   larger than the reader's window. */
 #include <stdlib.h>
 
 #include "making_test.h"
@@ -104,8 +105,71 @@ static void test_edges(void) {
   g_rand_free(rand);
 }
 
+/* Put n rectangles, number i at (3 i, 7 i); the first one sets the layer. */
+static void put_rectangles(GByteArray *f, long first, long n) {
+  for (long i = first; i < first + n; i++) {
+    values_put(f, "bb", EDA_OASIS_RECTANGLE, i == first ? 0x7b : 0x78);
+    if (i == first) values_put(f, "uu", 1ul, 2ul);
+    values_put(f, "uuss", (unsigned long)(i % 300), 5ul, 3 * i, 7 * i);
+  }
+}
+
+/* Put a compressed block. */
+static void put_block(GByteArray *f, const GByteArray *content) {
+  uLong capacity = compressBound(content->len) + 64;
+  g_autofree uint8_t *out = g_malloc(capacity);
+  z_stream z = {.next_in = content->data,
+                .avail_in = content->len,
+                .next_out = out,
+                .avail_out = (uInt)capacity};
+  deflateInit2(&z, 0, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY);
+  g_assert_cmpint(deflate(&z, Z_FINISH), ==, Z_STREAM_END);
+  values_put(f, "bbuu", EDA_OASIS_CBLOCK, 0, (unsigned long)content->len,
+             z.total_out);
+  g_byte_array_append(f, out, (guint)z.total_out);
+  deflateEnd(&z);
+}
+
+/* Test a file larger than the reader's window: a name that is defined at the
+   end, a compressed block as large, a checksum over everything, and a wrong
+   checksum. */
+static void test_large(void) {
+  enum { EACH = 100000 };
+  for (int scheme = 0; scheme < 3; scheme++)
+    for (uint32_t wrong = 0; wrong <= (scheme > 0); wrong++) {
+      GByteArray *f = new_file(), *block = g_byte_array_new();
+      values_put(f, "bu", EDA_OASIS_CELL_NUMBER, 0ul);
+      put_rectangles(f, 0, EACH);
+      put_rectangles(block, EACH, EACH);
+      put_block(f, block);
+      put_rectangles(f, 2l * EACH, EACH);
+      values_put(f, "bt", EDA_OASIS_CELLNAME, "LAST");
+      g_assert_cmpuint(f->len, >, 3 << 20);
+      g_byte_array_free(block, TRUE);
+      char *path = finish_sum(f, scheme, wrong);
+      if (wrong) {
+        assert_refused(path, OPC_IO, "expected");
+        continue;
+      }
+      eda_layout *layout = read_made(path);
+      const int32_t top = eda_layout_find_cell(layout, "LAST");
+      g_assert_cmpint(top, >=, 0);
+      g_assert_cmpuint(eda_layout_polygons(layout, top), ==, 3 * EACH);
+      for (int32_t i = 0; i < 3 * EACH; i++) {
+        size_t n;
+        int32_t layer;
+        const eda_point *p =
+            eda_layout_polygon(layout, top, (size_t)i, &n, &layer);
+        g_assert_true(p[0].x == 3 * i && p[0].y == 7 * i &&
+                      p[2].x == 3 * i + i % 300 && p[2].y == 7 * i + 5);
+      }
+      eda_layout_free(layout);
+    }
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/read-oasis-limits/edges", test_edges);
+  g_test_add_func("/read-oasis-limits/large", test_large);
   return g_test_run();
 }

@@ -38,12 +38,19 @@ static void look_ahead(oasis *o) {
 }
 
 /* Return the checksum of the file up to the current place. */
-static uint32_t sum_up(const oasis *o, uint64_t scheme) {
-  const uint8_t *bytes = (const uint8_t *)o->b.text;
-  uint64_t n = oasis_place(o);
+static uint32_t sum_up(oasis *o, uint64_t scheme) {
+  reading all = reading_again(&o->b, o->b.error);
+  uint64_t end = oasis_place(o);
   uint32_t sum = 0;
-  if (scheme == EDA_OASIS_CRC32) return (uint32_t)crc32_z(0, bytes, n);
-  for (uint64_t i = 0; i < n; i++) sum += bytes[i];
+  size_t n;
+  for (uint64_t at = 0; at < end && !all.failed; at += n) {
+    const uint8_t *bytes = reading_view(&all, at, 1, &n);
+    n = MIN(n, end - at);
+    if (scheme == EDA_OASIS_CRC32) sum = (uint32_t)crc32_z(sum, bytes, n);
+    for (size_t i = 0; scheme == EDA_OASIS_SUM32 && i < n; i++) sum += bytes[i];
+  }
+  o->b.failed = all.failed;
+  if (all.file >= 0) free(all.bytes);
   return sum;
 }
 

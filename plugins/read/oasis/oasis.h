@@ -102,12 +102,12 @@ typedef struct oasis {
   reading b;
   int naming; /* 1: this pass reads only names */
 
-  /* Bytes to read: of the file, or of the buffer of a block. */
+  /* Bytes to read: of the window on the file, or of the buffer of a block. */
   const uint8_t *p, *end;
   uint64_t record; /* place of the current record, in file or block */
 
-  int inside; /* 1: inside a compressed block */
-  const uint8_t *file_p;
+  int inside;        /* 1: inside a compressed block */
+  uint64_t file_at;  /* place in the file after the bytes passed to zlib */
   uint64_t block_at; /* place of the block in the file */
   uint64_t done;     /* number of bytes of the block before `inflated` */
   uint64_t left_in, left_out;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements an OASIS file as a stream of bytes, with its compressed blocks.
-   Memory is bounded: a block is read through one buffer. */
+   Memory is bounded: the file and a block are read through one buffer each. */
 #include <eda/memory.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -17,21 +17,15 @@ enum { BUFFER = 1 << 18 };
 
 /* ---- life ---- */
 
-static const uint8_t *file_start(const oasis *o) {
-  return (const uint8_t *)o->b.text;
-}
-
-static const uint8_t *file_end(const oasis *o) {
-  return file_start(o) + o->b.n;
+/* Continue at byte `at` of the file. */
+static void file_continue(oasis *o, uint64_t at) {
+  size_t n;
+  o->p = reading_view(&o->b, at, 1, &n);
+  o->end = o->p + n;
 }
 
 oasis oasis_again(const oasis *from, opc_error *error) {
-  oasis o = {.b = {.r = from->b.r,
-                   .error = error,
-                   .refuse = oasis_refuse,
-                   .text = from->b.text,
-                   .n = from->b.n},
-             .naming = 1};
+  oasis o = {.b = reading_again(&from->b, error), .naming = 1};
   for (int i = 0; i < OASIS_NAMES; i++)
     o.names[i] = g_hash_table_ref(from->names[i]);
   return o;
@@ -45,6 +39,7 @@ static void block_leave(oasis *o) {
 void oasis_clear(oasis *o) {
   block_leave(o);
   for (int i = 0; i < OASIS_NAMES; i++) g_hash_table_unref(o->names[i]);
+  if (o->b.file >= 0) free(o->b.bytes);
   free(o->inflated);
   free(o->points);
   g_free(o->instance);
@@ -63,8 +58,7 @@ void oasis_seek(oasis *o, uint64_t at) {
     oasis_refuse(o, "a name table is outside of the file");
     return;
   }
-  o->p = file_start(o) + at;
-  o->end = file_end(o);
+  file_continue(o, at);
   o->record = at;
 }
 
@@ -89,12 +83,12 @@ void oasis_refuse(void *self, const char *what) {
 static void block_feed(oasis *o) {
   enum { MOST = 1 << 30 }; /* zlib counts in 32 bits */
   if (o->z.avail_in || !o->left_in) return;
-  size_t n = (size_t)(file_end(o) - o->file_p);
+  size_t n;
+  o->z.next_in = (Bytef *)reading_view(&o->b, o->file_at, 1, &n);
   if (!n) oasis_refuse(o, "the file ends in a compressed block, in a record");
   n = MIN(n, MIN(o->left_in, (uint64_t)MOST));
-  o->z.next_in = (Bytef *)o->file_p;
   o->z.avail_in = (uInt)n;
-  o->file_p += n;
+  o->file_at += n;
   o->left_in -= n;
 }
 
@@ -117,6 +111,10 @@ static size_t block_unpack(oasis *o, uint8_t *out, size_t capacity) {
 }
 
 int oasis_refill(oasis *o) {
+  if (!o->inside && !o->b.failed && oasis_place(o) < o->b.n) {
+    file_continue(o, oasis_place(o));
+    return !o->b.failed;
+  }
   if (!o->inside || !o->left_out) {
     oasis_refuse(o, o->inside ? "the block ends in a record that begins"
                               : "the file ends in a record that begins");
@@ -134,7 +132,8 @@ int oasis_refill(oasis *o) {
 }
 
 uint64_t oasis_place(const oasis *o) {
-  return (uint64_t)((o->inside ? o->file_p : o->p) - file_start(o));
+  if (o->inside) return o->file_at;
+  return o->b.start + (uint64_t)(o->p - (const uint8_t *)o->b.bytes);
 }
 
 uint64_t oasis_consumed(const oasis *o) {
@@ -164,13 +163,13 @@ void oasis_enter_block(oasis *o) {
     return;
   }
   if (!o->inflated) o->inflated = eda_alloc(BUFFER, 1);
+  o->file_at = oasis_place(o);
   o->inside = 1;
   o->block_at = o->record;
   o->unpacked += out;
   o->left_in = in;
   o->left_out = out;
   o->done = 0;
-  o->file_p = o->p;
   o->p = o->end = o->inflated;
 }
 
@@ -185,8 +184,7 @@ static void block_end(oasis *o) {
     oasis_refuse(o, "a compressed block ends too early,");
   if (o->b.failed) return;
   block_leave(o);
-  o->p = o->file_p;
-  o->end = file_end(o);
+  file_continue(o, o->file_at);
 }
 
 int oasis_begin_record(oasis *o) {
