@@ -348,6 +348,23 @@ static void test_netlist(void) {
              ".subckt nand2 A B Y VDD VSS\nMN1 VSS A X VSS nmos w="));
 }
 
+/* Errors of three extractors against transistors of several widths, which the
+   table of weights in data/devices was fitted to. */
+static void test_gamma(void) {
+  run_ready("gamma", NULL, NULL);
+  g_assert_cmpfloat(metric("gamma", "plain", "ion_max"), >, 15);
+  g_assert_cmpfloat(metric("gamma", "gamma", "ion_max"), <, 2);
+  g_assert_cmpfloat(metric("gamma", "widths", "ion_max"), <, 0.01);
+  g_autoptr(GBytes) printed = bytes("gamma", "gamma.printed.csv");
+  g_assert_nonnull(strstr(g_bytes_get_data(printed, NULL), "half_bitcell"));
+  g_autofree char *made = place("gamma/fit.csv"),
+                  *kept = source_path("data/devices/ptm65-gamma.csv");
+  g_autofree char *one = NULL, *other = NULL;
+  g_assert_true(g_file_get_contents(made, &one, NULL, NULL));
+  g_assert_true(g_file_get_contents(kept, &other, NULL, NULL));
+  g_assert_cmpstr(one, ==, other);
+}
+
 static void test_models(void) {
   g_autofree char *flow = source_path("flows/models.yaml"),
                   *out = place("models");
@@ -488,6 +505,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/flows/circuit", test_circuit);
   g_test_add_func("/flows/margins", test_margins);
   g_test_add_func("/flows/netlist", test_netlist);
+  g_test_add_func("/flows/gamma", test_gamma);
   g_test_add_func("/flows/models", test_models);
   g_test_add_func("/flows/window", test_window);
   g_test_add_func("/flows/characterize", test_characterize);

@@ -12,6 +12,11 @@
 
 /* Range of decay lengths, nm. */
 static const double least = 1, most = 300;
+/* Smallest amplitude: the current at the edge is a twentieth of that of a wide
+   transistor. Rectangles whose edges carry no current fit best with a short
+   decay and an amplitude below -1, and as well with a longer decay and this
+   amplitude. */
+static const double least_amplitude = -0.95;
 enum { TRIALS = 60, CLOSE = 16, DECAYS = 12 };
 
 static const char *const currents[EDA_CURRENTS] = {"Ion", "Ioff"};
@@ -54,7 +59,7 @@ typedef struct search {
   double amplitude; /* optimum amplitude at the last decay length */
 } search;
 
-/* Return the sum of squares with the optimum amplitude. */
+/* Return the sum of squares with the optimum amplitude, within its bound. */
 static double fit_cost(double log_decay, void *data) {
   search *f = data;
   double decay = exp(log_decay), covariance, squares;
@@ -71,6 +76,11 @@ static double fit_cost(double log_decay, void *data) {
   }
   gsl_fit_mul(f->x, 1, f->y, 1, f->sample->count, &f->amplitude, &covariance,
               &squares);
+  if (f->amplitude >= least_amplitude) return squares;
+  f->amplitude = least_amplitude;
+  squares = 0;
+  for (size_t i = 0; i < f->sample->count; i++)
+    squares += pow(f->y[i] - f->amplitude * f->x[i], 2);
   return squares;
 }
 
@@ -103,10 +113,6 @@ int fit_edge(const sample *s, fitted *out, opc_error *error) {
   out->decay = best_decay(&f);
   out->amplitude = f.amplitude;
   free(f.x);
-  if (!(out->amplitude > -1))
-    return opc_fail(error, OPC_INVALID, "reference",
-                    "%s of %c-transistors would be negative at their edges",
-                    currents[s->current], "np"[s->type]);
   fitted_init(out, CLOSE * DECAYS + 1);
   for (size_t i = 0; i < out->points; i++) {
     double decays = (double)i / CLOSE;

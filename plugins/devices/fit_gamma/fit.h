@@ -25,10 +25,11 @@ typedef struct reference {
   transistor *transistor;
 } reference;
 
-/* Read a file and slice its transistors. The caller clears `out`, also after an
+/* Read a file, a device table (.yaml) or a CSV file, and slice its transistors
+   of mean lengths `from` to `to`, nm. The caller clears `out`, also after an
    error. */
-int reference_read(const char *path, const eda_curves *table, reference *out,
-                   opc_error *error);
+int reference_read(const char *path, const eda_curves *table, double from,
+                   double to, reference *out, opc_error *error);
 void reference_clear(reference *r);
 
 /* ---- fit.c ---- */

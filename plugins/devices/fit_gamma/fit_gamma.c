@@ -23,6 +23,7 @@ typedef struct fitter {
   const char *reference_file, *devices, *table; /* parameters */
   int form;                                     /* EDGE_TERM, POINTS */
   opc_reals edges;
+  double from, to;
   eda_curves curves;
   reference reference;
   sample sample[FITS];
@@ -146,7 +147,8 @@ static int fit_gamma_run(void *self, void **outputs, opc_error *error) {
                     "the effect of the edges",
                     f->devices);
   if (!code)
-    code = reference_read(f->reference_file, &f->curves, &f->reference, error);
+    code = reference_read(f->reference_file, &f->curves, f->from, f->to,
+                          &f->reference, error);
   if (!code) code = fit_all(f, error);
   if (!code) code = write_table(f, error);
   if (!code) code = summary_table(f, error);
@@ -159,7 +161,9 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED(
         "reference", fitter, reference_file, .type = OPC_FILE,
         .flags = OPC_REQUIRED,
-        .summary = "transistors with their currents: a CSV file"),
+        .summary =
+            "transistors with their currents: a CSV file, or a device table "
+            "(.yaml) whose widths and lengths are rectangles"),
     OPC_PARAMETER(fitter, devices, .type = OPC_FILE, .flags = OPC_REQUIRED,
                   .summary = "device table that extractor.gamma will use"),
     OPC_PARAMETER(fitter, form, .type = OPC_CHOICE, .preset = "edge",
@@ -168,8 +172,15 @@ static const opc_parameter parameters[] = {
                              "gamma at the distances `edges`"),
     OPC_PARAMETER(
         fitter, edges, .type = OPC_REALS, .unit = "nm",
-        .preset = "[0 nm, 10 nm, 20 nm, 40 nm, 80 nm]",
+        .preset = "[0 nm, 20 nm]",
         .summary = "distances from the active edge, for the form 'table'"),
+    OPC_PARAMETER_NAMED("length.from", fitter, from, .type = OPC_REAL,
+                        .unit = "nm", .flags = OPC_AT_LEAST, .preset = "0 nm",
+                        .min = 0,
+                        .summary = "smallest mean length of the transistors"),
+    OPC_PARAMETER_NAMED("length.to", fitter, to, .type = OPC_REAL, .unit = "nm",
+                        .flags = OPC_AT_LEAST, .preset = "1000000 nm", .min = 0,
+                        .summary = "largest mean length of the transistors"),
     OPC_PARAMETER(fitter, table, .type = OPC_OUTPUT, .preset = "gamma.csv",
                   .summary = "table of weights for extractor.gamma"),
 };

@@ -155,6 +155,41 @@ static void test_table(void) {
   g_assert_cmpfloat(worst, <, 1);
 }
 
+/* Test the table of several widths of this project, whose edges carry no
+   current: both forms fit it with their defaults. */
+static void test_widths(void) {
+  const char *source = g_getenv("OPCFLOW_SOURCE");
+  g_autofree char *reference = g_build_filename(
+      source ? source : ".", "data", "devices", "ptm65-widths.yaml", NULL);
+  static const char *const forms[] = {"edge", "table"};
+  for (size_t k = 0; k < G_N_ELEMENTS(forms); k++) {
+    g_autofree char *more = g_strdup_printf(
+        ", form: %s, table: widths.csv, length: { from: 55 nm, to: 80 nm }",
+        forms[k]);
+    opc_test_forget();
+    gamma_fit(reference, more);
+    g_assert_cmpuint(opc_test_rows("gamma_residuals"), ==, 4 * 8 * 26);
+    for (size_t i = 0; i < 4; i++) {
+      g_assert_cmpfloat(opc_test_number("gamma", "plain_max", i), >, 13);
+      g_assert_cmpfloat(opc_test_number("gamma", "gamma_max", i), <, 2);
+      /* The card removes 5 nm at each edge from the channel for Ioff. */
+      if (k == 0 && i % 2)
+        g_assert_cmpfloat(fabs(-opc_test_number("gamma", "edge", i) *
+                                   opc_test_number("gamma", "decay", i) -
+                               5),
+                          <, 0.1);
+    }
+    g_autofree char *path =
+        g_build_filename(opc_test_folder(), "widths.csv", NULL);
+    g_autofree char *term = g_strdup_printf(", table: '%s'", path);
+    g_autoptr(opc_module) found = extractor(term);
+    double ion, ioff;
+    currents(found, EDA_NMOS, 100, 65, 65, &ion, &ioff);
+    g_test_message("W = 100 nm, L = 65 nm: Ion %.6g A", ion);
+    g_assert_cmpfloat(fabs(ion / 0.0001081513 - 1), <, 0.005);
+  }
+}
+
 static void assert_refused(const char *text, const char *more,
                            const char *message) {
   g_autofree char *path = g_build_filename(opc_test_folder(), "bad.csv", NULL);
@@ -192,6 +227,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/fit-gamma/edge", test_edge);
   g_test_add_func("/fit-gamma/table", test_table);
+  g_test_add_func("/fit-gamma/widths", test_widths);
   g_test_add_func("/fit-gamma/refused", test_refused);
   return g_test_run();
 }

@@ -69,8 +69,37 @@ static void transistor_slice(transistor *t, const eda_curves *table) {
   }
 }
 
-int reference_read(const char *path, const eda_curves *table, reference *out,
-                   opc_error *error) {
+/* Read the currents of all widths of a device table as rectangles. */
+static int read_table(const char *path, const eda_curves *table, reference *out,
+                      opc_error *error) {
+  eda_devices *d = eda_devices_read(path, error);
+  if (!d) return error->code;
+  size_t widths = d->narrow + 1;
+  out->transistor = eda_alloc(2 * widths * d->count, sizeof *out->transistor);
+  for (int type = 0; type < 2; type++)
+    for (size_t k = 0; k < widths; k++)
+      for (size_t i = 0; i < d->count; i++) {
+        transistor *t = &out->transistor[out->count++];
+        int narrow = k < d->narrow;
+        size_t at = k * d->count + i;
+        t->type = type;
+        t->width = narrow ? d->narrow_width[k] : d->width;
+        t->lengths = 1;
+        t->length = eda_alloc(1, sizeof *t->length);
+        t->length[0] = d->length[i];
+        t->current[EDA_ION] =
+            t->width * (narrow ? d->narrow_ion[type][at] : d->ion[type][i]);
+        t->current[EDA_IOFF] =
+            t->width * (narrow ? d->narrow_ioff[type][at] : d->ioff[type][i]);
+        transistor_slice(t, table);
+      }
+  eda_devices_free(d);
+  return OPC_OK;
+}
+
+/* Read the transistors of a CSV file. */
+static int read_rows(const char *path, const eda_curves *table, reference *out,
+                     opc_error *error) {
   eda_csv *c = eda_csv_read(path, "reference", columns, COLUMNS, 0, error);
   if (!c) return error->code;
   int code = OPC_OK;
@@ -81,6 +110,31 @@ int reference_read(const char *path, const eda_curves *table, reference *out,
     if (!code) transistor_slice(t, table);
   }
   eda_csv_free(c);
+  return code;
+}
+
+/* Remove the transistors whose mean length is not within the bounds. */
+static void reference_keep(reference *r, double from, double to) {
+  size_t n = 0;
+  for (size_t i = 0; i < r->count; i++) {
+    transistor *t = &r->transistor[i];
+    double sum = 0;
+    for (int k = 0; k < REFERENCE_NODES; k++)
+      sum += length_at(t, (k + 0.5) / REFERENCE_NODES) / REFERENCE_NODES;
+    if (sum >= from && sum <= to)
+      r->transistor[n++] = *t;
+    else
+      free(t->length);
+  }
+  r->count = n;
+}
+
+int reference_read(const char *path, const eda_curves *table, double from,
+                   double to, reference *out, opc_error *error) {
+  int code = g_str_has_suffix(path, ".yaml")
+                 ? read_table(path, table, out, error)
+                 : read_rows(path, table, out, error);
+  if (!code) reference_keep(out, from, to);
   return code;
 }
 
