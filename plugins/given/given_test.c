@@ -63,6 +63,8 @@ static eda_layout *layout_of(const eda_gates *g, const eda_shapes *shapes,
 }
 
 #define BOTH ", layers: { poly: poly, active: active }"
+/* The same layers by expressions. */
+#define COMBINED ", layers: { poly: poly + (active & poly), active: (active) }"
 #define QUICK ", fine: off" BOTH
 
 static opc_module *given(const eda_gates *g, const eda_layout *layout,
@@ -103,7 +105,7 @@ static void check_same(const char *fine, int before_too) {
   g_assert_cmpfloat(
       shapes_difference(&mask->shapes[EDA_POLY], &g->drawn[EDA_POLY]), >, 0);
   eda_layout *layout = layout_of(g, mask->shapes, 0.25, 4, 0);
-  g_autofree char *more = g_strdup_printf(BOTH "%s", fine);
+  g_autofree char *more = g_strdup_printf(COMBINED "%s", fine);
   opc_module *m = given(g, layout, more);
   eda_mask *out = run_step(m);
   for (size_t k = 0; k < g->layers; k++)
@@ -225,6 +227,8 @@ static void test_refused(void) {
       "layer 'poly' of cell 'EMPTY' is empty, expected the shapes of a mask");
   expect_refused(empty_layout(), ", fine: off, layers: { poly: other }",
                  "layers.poly", "no layer 'other'");
+  expect_refused(empty_layout(), ", fine: off, layers: { poly: poly - }",
+                 "layers.poly", "expected a layer or '(' at character 7");
   expect_refused(empty_layout(), ", fine: off, layers: { metal: poly }",
                  "layers.metal", "no layer of this name");
   expect_refused(empty_layout(),

@@ -136,11 +136,11 @@ static int import_layer(const import *t, int32_t top, size_t layer,
                         const char *from, eda_shapes *out, moved *all,
                         opc_error *error) {
   const char *name = t->gates->layer[layer];
-  int32_t number = eda_layout_find_layer(t->layout, from);
+  opc_error missing;
+  int32_t number = eda_layout_select(t->layout, from, &missing);
   eda_flat flat;
   if (number < 0) {
-    opc_fail(error, OPC_INVALID, NULL,
-             "the layout of the mask has no layer '%.200s'", from);
+    opc_fail(error, OPC_INVALID, NULL, "the mask: %.800s", missing.message);
     return blame_layer(error, name);
   }
   int code =

@@ -86,14 +86,56 @@ static int same_layer(const char *a, const char *b, uint32_t most) {
          x.layer == y.layer && x.datatype == y.datatype;
 }
 
+/* A layer expression of the map. */
+typedef struct reader_expression {
+  const reader *r;
+  uint32_t most;
+  opc_error *error;
+  int code;
+} reader_expression;
+
+static int is_key(const reader *r, const char *name) {
+  for (size_t i = 0; i < r->layers.count; i++)
+    if (!strcmp(r->layers.pairs[i].key, name)) return 1;
+  return 0;
+}
+
+/* Fail for a name in an expression that cannot be a layer of the file. */
+static void check_name(void *data, const char *name) {
+  reader_expression *x = data;
+  eda_layer_number number;
+  if (x->code || !x->most || is_key(x->r, name) ||
+      eda_layer_number_read(name, x->most, &number, NULL))
+    return;
+  x->code =
+      opc_fail(x->error, OPC_INVALID, NULL,
+               "'%s': expected a layer as 9/0, or a name of 'layers'", name);
+}
+
+static int check_expression(const reader *r, uint32_t most,
+                            const opc_pair *pair, opc_error *error) {
+  reader_expression x = {r, most, error, OPC_OK};
+  int code = eda_layer_names(pair->value, check_name, &x, error);
+  if (!code) code = x.code;
+  if (code)
+    (void)snprintf(error->parameter, sizeof error->parameter, "layers.%.50s",
+                   pair->key);
+  return code;
+}
+
 int reader_check(const reader *r, uint32_t most, opc_error *error) {
   const opc_pair *pairs = r->layers.pairs;
   for (size_t i = 0; i < r->layers.count; i++) {
     eda_layer_number number;
     int any;
-    if (most && !eda_layer_number_read(pairs[i].value, most, &number, &any))
+    if (eda_layer_is_expression(pairs[i].value)) {
+      int code = check_expression(r, most, &pairs[i], error);
+      if (code) return code;
+    } else if (most &&
+               !eda_layer_number_read(pairs[i].value, most, &number, &any))
       return opc_fail(error, OPC_INVALID, "layers",
-                      "'%s': expected a layer as 9/0, or 9 for every datatype",
+                      "'%s': expected a layer as 9/0, 9 for every datatype, or "
+                      "an expression of layers",
                       pairs[i].value);
     if (most && eda_layer_number_read(pairs[i].key, UINT32_MAX, &number, NULL))
       return opc_fail(error, OPC_INVALID, "layers",
@@ -135,8 +177,9 @@ int32_t reading_numbered_layer(reading *b, uint32_t layer, uint32_t datatype) {
     for (size_t i = 0; i < map->count && name == buffer; i++) {
       eda_layer_number number;
       int any;
-      eda_layer_number_read(map->pairs[i].value, UINT32_MAX, &number, &any);
-      if (number.layer != layer || any != wanted ||
+      if (!eda_layer_number_read(map->pairs[i].value, UINT32_MAX, &number,
+                                 &any) ||
+          number.layer != layer || any != wanted ||
           (!any && number.datatype != datatype))
         continue;
       b->seen[i] = 1;
@@ -213,6 +256,67 @@ static int check_layers(const reading *b) {
                   "'%s': no layer %s for '%s'; the file has %s", b->r->file,
                   map->pairs[missing].value, map->pairs[missing].key,
                   all->len ? all->str + 2 : "no layers");
+}
+
+/* ---- layer expressions ---- */
+
+/* The layers of the file in one expression. */
+typedef struct operands {
+  reading *b;
+  size_t found;     /* layers that exist */
+  const char *file; /* name in the file of the first existing layer */
+  GString *missing;
+} operands;
+
+/* A layer that the file lacks becomes an empty layer. */
+static void find_operand(void *data, const char *name) {
+  operands *o = data;
+  eda_layout *layout = o->b->layout;
+  opc_error ignored;
+  int32_t layer = eda_layout_select(layout, name, &ignored);
+  if (layer < 0) {
+    g_string_append_printf(o->missing, "%s%s", o->missing->len ? ", " : "",
+                           name);
+    (void)eda_layout_layer(layout, name, &ignored);
+    return;
+  }
+  if (!o->found++) o->file = eda_layout_file_layer(layout, layer);
+}
+
+static void derive_layer(reading *b, size_t i) {
+  const opc_pair *pair = &b->r->layers.pairs[i];
+  g_autoptr(GString) missing = g_string_new(NULL);
+  operands o = {.b = b, .missing = missing};
+  b->failed = eda_layer_names(pair->value, find_operand, &o, b->error);
+  b->seen[i] = o.found > 0;
+  if (b->failed || !o.found) return;
+  int32_t layer = eda_layout_find_layer(b->layout, pair->key);
+  eda_layout_set_file_layer(b->layout, layer, o.file);
+  if (missing->len && !is_optional(b, i))
+    b->r->host->log(b->r->host, OPC_LOG_WARNING,
+                    "'%s': no layer %.400s: empty in the expression of '%s'",
+                    b->r->file, missing->str, pair->key);
+  b->failed = eda_layout_derive(b->layout, pair->key, pair->value, b->error);
+}
+
+/* Define the layers of the map that are expressions. All their names exist
+   before, so that expressions may use each other in any order. */
+static void reading_derive(reading *b) {
+  const opc_map *map = &b->r->layers;
+  for (size_t i = 0; i < map->count && !b->failed; i++) {
+    const opc_pair *pair = &map->pairs[i];
+    if (!eda_layer_is_expression(pair->value)) continue;
+    if (eda_layout_find_layer(b->layout, pair->key) >= 0)
+      b->failed = opc_fail(b->error, OPC_INVALID, "layers",
+                           "'%s': the file has a layer '%s', expected another "
+                           "name for the expression %s",
+                           b->r->file, pair->key, pair->value);
+    else
+      (void)reading_number(
+          b, eda_layout_layer(b->layout, pair->key, &b->layout_error));
+  }
+  for (size_t i = 0; i < map->count && !b->failed; i++)
+    if (eda_layer_is_expression(map->pairs[i].value)) derive_layer(b, i);
 }
 
 /* ---- cells ---- */
@@ -310,6 +414,7 @@ int reading_run(void *state, void *self, void **outputs, opc_error *error,
   reading_open(b);
   check_format(b);
   if (!b->failed) read(b);
+  if (!b->failed) reading_derive(b);
   if (!b->failed) b->failed = check_layers(b);
   if (!b->failed) {
     reading_keep_names(b);

@@ -64,10 +64,11 @@ static int find_layer(match_task *j, const opc_map *map, const char *parameter,
   for (size_t i = 0; i < map->count; i++)
     if (!strcmp(map->pairs[i].key, key)) name = map->pairs[i].value;
   if (!name) return OPC_OK;
-  *layer = eda_layout_find_layer(j->layout, name);
+  opc_error missing;
+  *layer = eda_layout_select(j->layout, name, &missing);
   if (*layer >= 0) return OPC_OK;
-  return opc_fail(j->error, OPC_INVALID, parameter,
-                  "the layout has no layer '%.200s' for '%s'", name, key);
+  return opc_fail(j->error, OPC_INVALID, parameter, "'%s': %.800s", key,
+                  missing.message);
 }
 
 /* Return 1 if the flow or the layout names a wire or via layer. The numbers of

@@ -277,7 +277,7 @@ static void test_mismatch(void) {
   assert_refused("nor2", "*\n.subckt other a\n.ends\n", "",
                  "'*f.sp' has no subcircuit 'nor2'; it has 'other'");
   assert_refused("nor2", "*\n", ", layers: { metal1: M1 }",
-                 "the layout has no layer 'M1' for 'metal1'");
+                 "'metal1': the layout has no layer 'M1'");
 }
 
 static void test_syntax(void) {

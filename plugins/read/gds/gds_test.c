@@ -64,6 +64,49 @@ static void test_drawn(void) {
   }
 }
 
+/* Areas, nm^2, of masks as drawn shapes with additions and without cut-outs,
+   by operations of KLayout 0.30 on regions. */
+static void test_expressions(void) {
+  static const struct {
+    const char *cell;
+    double poly, active;
+  } masks[] = {{"sram_dp_cell_opt1a", 1641800, 1013200},
+               {"sram_sp_cell_opt1", 779800, 565300},
+               {"sram_sp_cell", 648000, 565300}};
+  g_autofree char *folder = find_data("sky130_sram");
+  if (!folder) return;
+  for (size_t k = 0; k < G_N_ELEMENTS(masks); k++) {
+    g_autofree char *path =
+        g_strdup_printf("%s/sky130_fd_bd_sram__%s.gds", folder, masks[k].cell);
+    opc_test_forget();
+    eda_layout *layout = read_good(
+        path,
+        ", layers: { poly: drawn + 33/43 - 33/42, drawn: 66/20, "
+        "active: 'grow(shrink((65/20 + 22/21) - 22/22, 5 nm), .005 um)' }");
+    g_assert_cmpint(strstr(opc_test_log(),
+                           "no layer 33/43, 33/42: empty in "
+                           "the expression of 'poly'") != NULL,
+                    ==, !strcmp(masks[k].cell, "sram_sp_cell"));
+    const char *const names[] = {"poly", "active"};
+    const double areas[] = {masks[k].poly, masks[k].active};
+    for (int i = 0; i < 2; i++) {
+      opc_error e;
+      eda_flat flat;
+      eda_shapes merged;
+      int32_t layer = eda_layout_find_layer(layout, names[i]);
+      g_assert_cmpstr(eda_layout_file_layer(layout, layer), ==,
+                      i ? "65/20" : "66/20");
+      g_assert_false(eda_layout_flatten(layout, eda_layout_top(layout, &e),
+                                        layer, 1, &flat, &e));
+      g_assert_false(eda_boolean(EDA_OR, &flat.shapes, NULL, &merged, &e));
+      g_assert_cmpfloat((double)eda_area2(&merged), ==, 2 * areas[i]);
+      eda_shapes_clear(&merged);
+      eda_flat_clear(&flat);
+    }
+    eda_layout_free(layout);
+  }
+}
+
 /* ---- contents of files ---- */
 
 static void test_reals(void) {
@@ -138,6 +181,14 @@ static void test_parameters(void) {
                  "'nine': expected");
   assert_refused(path, ", layers: { poly: 9/0, gate: 9/0 }", OPC_INVALID,
                  "layer 9/0 is 'poly' already");
+  assert_refused(path, ", layers: { poly: '9/0 + nine' }", OPC_INVALID,
+                 "'nine': expected a layer as 9/0, or a name of 'layers'");
+  assert_refused(path, ", layers: { poly: (9/0 }", OPC_INVALID,
+                 "'(9/0': expected ')' or an operator at character 5");
+  assert_refused(path, ", layers: { poly: 3/1 + 3/2 }", OPC_INVALID,
+                 "no layer 3/1 + 3/2 for 'poly'");
+  assert_refused(path, ", layers: { a: b + 9/0, b: a - 9/0 }", OPC_INVALID,
+                 "the expression of 'b' contains this layer");
   assert_refused(path, ", layers: { '3/0': 9/0 }", OPC_INVALID,
                  "not allowed as a name");
   assert_refused(path, ", top: NONE", OPC_INVALID,
@@ -294,6 +345,7 @@ static void test_large(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/read-gds/drawn", test_drawn);
+  g_test_add_func("/read-gds/expressions", test_expressions);
   g_test_add_func("/read-gds/reals", test_reals);
   g_test_add_func("/read-gds/layers", test_layers);
   g_test_add_func("/read-gds/parameters", test_parameters);

@@ -18,15 +18,15 @@ typedef struct edges {
 /* Find the layer with the given name; without a name, the only layer. */
 static int find_layer(const edges *e, int32_t *layer, opc_error *error) {
   size_t n = eda_layout_layers(e->layout);
-  *layer = e->layer ? eda_layout_find_layer(e->layout, e->layer)
+  *layer = e->layer ? eda_layout_select(e->layout, e->layer, error)
            : n == 1 ? 0
                     : -1;
   if (*layer >= 0) return OPC_OK;
   if (!e->layer)
     return opc_fail(error, OPC_INVALID, "layer",
                     "the layout has %zu layers: set 'layer'", n);
-  return opc_fail(error, OPC_INVALID, "layer",
-                  "the layout has no layer '%.200s'", e->layer);
+  (void)snprintf(error->parameter, sizeof error->parameter, "layer");
+  return error->code;
 }
 
 static int edges_publish(const opc_host *host, const eda_shapes *s,

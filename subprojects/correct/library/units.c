@@ -159,6 +159,12 @@ int correct_units_find(const eda_layout *layout, int32_t top, units *out,
                  .below = below,
                  .out = out,
                  .error = error};
+  if (eda_layout_is_derived(layout, w.poly) ||
+      eda_layout_is_derived(layout, w.active))
+    return opc_fail(error, OPC_INVALID, NULL,
+                    "poly or active is an expression of layers, expected "
+                    "layers of the file: cells are corrected one by one, but "
+                    "an expression may combine shapes of several cells");
   if (top >= 0) return traverse_cell(&w, top, nowhere, 0);
   g_autofree char *placed = placed_cells(layout);
   int code = OPC_OK;

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "layout/derive.h"
 #include "layout/reach.h"
 
 #define MAX_SHAPES ((uint64_t)1 << 28)
@@ -492,6 +493,8 @@ static int flatten_items(const eda_layout *layout, int32_t top, int32_t layer,
 
 double eda_layout_flat_bytes(const eda_layout *layout, int32_t top,
                              int32_t layer) {
+  if (eda_layout_is_derived(layout, layer))
+    return derived_bytes(layout, top, layer);
   flattener f = {.layout = layout, .layer = layer};
   eda_layout_order(layout);
   for (size_t i = 0; i < layout->n_cells; i++)
@@ -507,6 +510,8 @@ int eda_layout_flatten_window(const eda_layout *layout, int32_t top,
                               int32_t layer, double grid, const eda_box *window,
                               eda_flat *out, opc_error *error) {
   *out = (eda_flat){0};
+  if (eda_layout_is_derived(layout, layer))
+    return derived_flatten(layout, top, layer, grid, window, out, error);
   int code = flatten_items(layout, top, layer, grid, window, out, NULL, error);
   if (code) eda_flat_clear(out);
   return code;
@@ -538,6 +543,8 @@ int eda_layout_flatten_texts(const eda_layout *layout, int32_t top,
 int eda_layout_bounds(const eda_layout *layout, int32_t top, int32_t layer,
                       double grid, eda_box *box, opc_error *error) {
   *box = (eda_box){0, 0, -1, -1};
+  if (eda_layout_is_derived(layout, layer))
+    return derived_bounds(layout, top, layer, grid, box, error);
   int code = flatten_check(layout, top, layer, grid, error);
   if (code) return code;
   extent e = eda_layout_reach(layout, layer, false)->below[top];

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "layout/derive.h"
+
 /* Cells with more sheets (layout.h) have a hash table from layer to sheet. */
 enum { FEW_SHEETS = 16 };
 
@@ -62,6 +64,8 @@ void eda_layout_free(void *object) {
   g_hash_table_destroy(layout->cell_of);
   g_hash_table_destroy(layout->layer_of);
   g_hash_table_destroy(layout->file_layer);
+  g_clear_pointer(&layout->derived, g_hash_table_destroy);
+  if (layout->selected) g_ptr_array_free(layout->selected, TRUE);
   free(layout->strings);
   free(layout->order);
   drop_reach(layout);
@@ -119,7 +123,11 @@ int32_t eda_layout_find_cell(const eda_layout *layout, const char *name) {
 }
 
 int32_t eda_layout_find_layer(const eda_layout *layout, const char *name) {
-  return number_find(layout->layer_of, name);
+  opc_error ignored;
+  int32_t layer = number_find(layout->layer_of, name);
+  return layer < 0 && eda_layer_is_expression(name)
+             ? eda_layout_select(layout, name, &ignored)
+             : layer;
 }
 
 void eda_layout_set_file_layer(eda_layout *layout, int32_t layer,
@@ -299,7 +307,8 @@ const char *eda_layout_cell_name(const eda_layout *layout, int32_t number) {
 }
 
 const char *eda_layout_layer_name(const eda_layout *layout, int32_t layer) {
-  return layout->layers[layer];
+  return layer < EDA_SELECTED ? layout->layers[layer]
+                              : derived_name(layout, layer);
 }
 
 /* Number the polygons of all cells, sheet by sheet. */

@@ -77,6 +77,9 @@ struct eda_layout {
   size_t n_layers, capacity_layers;
   GHashTable *cell_of, *layer_of; /* name to number + 1 */
   GHashTable *file_layer;         /* layer number to name in the file */
+  GHashTable *derived; /* layer number to expression, under the lock; NULL:
+                          none */
+  GPtrArray *selected; /* texts of expressions (derive.h), under the lock */
   char *strings;
   size_t n_strings, capacity_strings;
 

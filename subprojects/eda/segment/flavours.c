@@ -10,11 +10,11 @@ enum { MOST_FLAVOURS = 32 };
 
 /* ---- settings ---- */
 
-/* Return the next word of a text separated by blanks, and its length *n; NULL
-   at the end. */
+/* Return the next marker of a text, and its length *n; NULL at the end. Markers
+   are words separated by blanks; an expression of layers is one marker. */
 static const char *next_word(const char *text, size_t *n) {
   text += strspn(text, " ");
-  *n = strcspn(text, " ");
+  *n = strpbrk(text, "+-^&(") ? strlen(text) : strcspn(text, " ");
   return *n ? text : NULL;
 }
 
@@ -52,9 +52,14 @@ int segment_check_flavours(const eda_segment_settings *s, opc_error *error) {
 /* ---- work ---- */
 
 static int32_t layer_of(const segment *s, const char *name, size_t n) {
-  char text[200];
+  char text[512];
   (void)snprintf(text, sizeof text, "%.*s", (int)n, name);
-  return eda_layout_find_layer(s->layout, text);
+  return eda_layout_select(s->layout, text, s->error);
+}
+
+static void count_name(void *data, const char *name) {
+  (void)name;
+  ++*(size_t *)data;
 }
 
 /* Compute how all markers of a flavour together cover each region, in `covers`,
@@ -71,13 +76,14 @@ static int find_markers(segment *s, size_t flavour, uint8_t *covers,
     int32_t layer = layer_of(s, word, n);
     eda_shapes shapes = {0};
     eda_flat flat = {0};
-    ++*markers;
     if (layer < 0) {
-      (void)opc_fail(s->error, OPC_INVALID, NULL,
-                     "the layout has no layer '%.*s'", (int)n, word);
       code = error_set_flavour(s->error, of);
       break;
     }
+    if (!eda_layout_is_derived(s->layout, layer) ||
+        eda_layer_names(eda_layout_layer_name(s->layout, layer), count_name,
+                        markers, s->error))
+      ++*markers;
     code = segment_flatten(s->layout, s->top, layer, s->grid, s->window, &flat,
                            &shapes, s->error);
     if (!code) code = segment_cover(s, &shapes, one);

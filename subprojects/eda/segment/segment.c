@@ -110,8 +110,7 @@ static int check_layers(segment *s) {
     const char *from = s->source[k].from;
     if (k == CONTACT || eda_layout_find_layer(s->layout, from) >= 0) continue;
     if (k < KNOWN) return no_layer(s, from);
-    opc_fail(s->error, OPC_INVALID, NULL, "the layout has no layer '%.200s'",
-             from);
+    (void)eda_layout_select(s->layout, from, s->error);
     return error_set_key(s->error, s->source[k].name);
   }
   return OPC_OK;

@@ -102,11 +102,49 @@ OPC_EXPORT void eda_layout_set_file_layer(eda_layout *layout, int32_t layer,
                                           const char *name);
 OPC_EXPORT const char *eda_layout_file_layer(const eda_layout *layout,
                                              int32_t layer);
-/* Return the number of the cell or layer, -1 if there is none. */
+/* Return the number of the cell or layer, -1 if there is none. The name of a
+   layer may be an expression (eda_layout_select). */
 OPC_EXPORT int32_t eda_layout_find_cell(const eda_layout *layout,
                                         const char *name);
 OPC_EXPORT int32_t eda_layout_find_layer(const eda_layout *layout,
                                          const char *name);
+/* Layer expressions combine layers of any cells in the hierarchy:
+
+     a + b            union                  grow(a, 10 nm)    larger by 10 nm
+     a - b            a without b            shrink(a, 10 nm)  smaller by 10 nm
+     a & b            intersection           (a + b) - c       brackets
+     a ^ b            either, not both
+
+   `&` binds more tightly than `+`, `-` and `^`, which apply from left to right.
+   A layer is a name of the layout or of its file ("poly", "66/20"). The shapes
+   of a derived layer are computed when the layer is flattened, as boxes; in a
+   window, they cover the same points as those of the whole layout. The
+   placement of a box is that of a shape of the first layer on the positive side
+   of the expression that covers the box (0: none). A derived layer has no
+   polygons in eda_layout_polygon. */
+
+/* Define the layer `name` as an expression. Return OPC_INVALID for an invalid
+   text, with the position of the fault, for a missing layer and for a layer
+   that contains itself. [main] */
+OPC_EXPORT int eda_layout_derive(eda_layout *layout, const char *name,
+                                 const char *text, opc_error *error);
+/* Return the number of the layer with a name, also of its name in the file, or
+   of an expression; -1 and *error on failure. [any] */
+OPC_EXPORT int32_t eda_layout_select(const eda_layout *layout, const char *text,
+                                     opc_error *error);
+/* Return whether a layer is an expression. [any] */
+OPC_EXPORT int eda_layout_is_derived(const eda_layout *layout, int32_t layer);
+/* Return whether a text has the form of an expression, with operators, brackets
+   or blanks. Check the text of an expression: return OPC_INVALID and the
+   position of the fault. [any] */
+OPC_EXPORT int eda_layer_is_expression(const char *text);
+OPC_EXPORT int eda_layer_check(const char *text, opc_error *error);
+/* Call `take` with the name of each layer in an expression, from left to right.
+   Return as eda_layer_check. [any] */
+OPC_EXPORT int eda_layer_names(const char *text,
+                               void (*take)(void *data, const char *name),
+                               void *data, opc_error *error);
+
 /* Return the top cell: the only cell that no other cell places. Return -1 and
  *error if there are several or none, or if placements form a cycle. */
 OPC_EXPORT int32_t eda_layout_top(const eda_layout *layout, opc_error *error);
