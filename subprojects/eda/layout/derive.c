@@ -191,16 +191,18 @@ static int evaluate_layer(evaluation *v, const expression *e,
   return code;
 }
 
-static int evaluate(evaluation *v, const expression *e, const eda_box *window,
-                    int32_t grown, int positive, eda_shapes *out);
+static int evaluate_any(evaluation *v, const expression *e,
+                        const eda_box *window, int32_t grown, int positive,
+                        eda_shapes *out);
 
 static int evaluate_boolean(evaluation *v, const expression *e,
                             const eda_box *window, int32_t grown, int positive,
                             eda_shapes *out) {
   eda_shapes a = {0}, b = {0};
-  int code = evaluate(v, e->a, window, grown, positive, &a);
+  int code = evaluate_any(v, e->a, window, grown, positive, &a);
   if (!code)
-    code = evaluate(v, e->b, window, grown, positive && e->op != EDA_NOT, &b);
+    code =
+        evaluate_any(v, e->b, window, grown, positive && e->op != EDA_NOT, &b);
   if (!code) code = eda_boolean(e->op, &a, &b, out, v->error);
   eda_shapes_clear(&a);
   eda_shapes_clear(&b);
@@ -217,7 +219,8 @@ static int evaluate_growth(evaluation *v, const expression *e,
   int code = growth_units(v, e, &by);
   if (window) wide = eda_box_grown(*window, abs(by));
   if (!code)
-    code = evaluate(v, e->a, window ? &wide : NULL, grown + by, positive, &a);
+    code =
+        evaluate_any(v, e->a, window ? &wide : NULL, grown + by, positive, &a);
   if (!code) code = eda_shapes_grow(&a, by, out, v->error);
   eda_shapes_clear(&a);
   return code;
@@ -225,8 +228,9 @@ static int evaluate_growth(evaluation *v, const expression *e,
 
 /* Compute the merged shapes of an expression. Inside the window the shapes are
    those of the whole layout. */
-static int evaluate(evaluation *v, const expression *e, const eda_box *window,
-                    int32_t grown, int positive, eda_shapes *out) {
+static int evaluate_any(evaluation *v, const expression *e,
+                        const eda_box *window, int32_t grown, int positive,
+                        eda_shapes *out) {
   *out = (eda_shapes){0};
   if (e->kind == EXPRESSION_LAYER)
     return evaluate_layer(v, e, window, grown, positive, out);
@@ -350,7 +354,8 @@ int derived_flatten(const eda_layout *layout, int32_t top, int32_t layer,
       .layout = layout, .top = top, .grid = grid, .out = out, .error = error};
   eda_shapes result = {0};
   placed all = {0};
-  int code = evaluate(&v, derived_find(layout, layer), window, 0, 1, &result);
+  int code =
+      evaluate_any(&v, derived_find(layout, layer), window, 0, 1, &result);
   for (size_t i = 0; i < v.n_sources && !code; i++)
     code = place_source(&v.sources[i], &result, &all, error);
   if (!code) code = place_rest(&result, &all, error);
