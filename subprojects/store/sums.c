@@ -2,9 +2,13 @@
 /* Checksums of files, cached with the attributes that indicate a change, and
    checksums of shared objects with the objects that they need. */
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <link.h>
+#include <linux/magic.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/vfs.h>
+#include <unistd.h>
 
 #include <store/files.h>
 #include "private.h"
@@ -18,7 +22,7 @@ static const gint64 step = G_GINT64_CONSTANT(2000000000);
    file under many names. */
 enum { MOST_SUMS = 10000 };
 
-static const char kept_under[] = "00sums";
+static const char kept_under[] = "00sums-flushed";
 #define KEPT_TYPE G_VARIANT_TYPE("a(sttxxxs)")
 
 typedef struct opc_sum {
@@ -83,6 +87,49 @@ static gint64 nanoseconds(const struct timespec *t) {
   return t->tv_sec * G_GINT64_CONSTANT(1000000000) + t->tv_nsec;
 }
 
+/* Return the time at which the system started, ns. */
+static gint64 boot_time(void) {
+  struct timespec now, up;
+  clock_gettime(CLOCK_REALTIME, &now);
+  clock_gettime(CLOCK_BOOTTIME, &up);
+  return nanoseconds(&now) - nanoseconds(&up);
+}
+
+/* Return whether the file system sets the times of a file when a process writes
+   to a clean page of a shared mapping. Others do not (tmpfs, hugetlbfs), are
+   unknown, or may consist of others (overlayfs). */
+static gboolean has_times_of_mappings(int file) {
+  static const unsigned long known[] = {EXT4_SUPER_MAGIC, XFS_SUPER_MAGIC,
+                                        BTRFS_SUPER_MAGIC, F2FS_SUPER_MAGIC,
+                                        NFS_SUPER_MAGIC};
+  struct statfs about;
+  if (fstatfs(file, &about)) return FALSE;
+  for (size_t i = 0; i < G_N_ELEMENTS(known); i++)
+    if ((unsigned long)about.f_type == known[i]) return TRUE;
+  return FALSE;
+}
+
+/* Get the attributes of a file after its changed pages were written to the
+   disk. A later change by a shared mapping then sets the times, which a change
+   of a page that is already marked as changed does not. *timed receives whether
+   the times indicate each change. Return FALSE if the file cannot be opened. */
+static gboolean read_attributes(const char *path, struct stat *about,
+                                gboolean *timed) {
+  enum {
+    FLUSH = SYNC_FILE_RANGE_WAIT_BEFORE | SYNC_FILE_RANGE_WRITE |
+            SYNC_FILE_RANGE_WAIT_AFTER
+  };
+  int file = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (file < 0) return FALSE;
+  gboolean flushed = !sync_file_range(file, 0, 0, FLUSH);
+  gboolean good = !fstat(file, about);
+  /* No process has kept a mapping since before the start of the system. */
+  *timed = good && (nanoseconds(&about->st_ctim) < boot_time() - step ||
+                    (flushed && has_times_of_mappings(file)));
+  close(file);
+  return good;
+}
+
 static gboolean is_of(const opc_sum *s, const struct stat *about) {
   return s->device == about->st_dev && s->inode == about->st_ino &&
          s->size == about->st_size &&
@@ -91,8 +138,8 @@ static gboolean is_of(const opc_sum *s, const struct stat *about) {
 }
 
 static char *read_sum(opc_store *store, const char *path,
-                      const struct stat *about, const opc_context *context,
-                      opc_error *error) {
+                      const struct stat *about, gboolean timed,
+                      const opc_context *context, opc_error *error) {
   gint64 now = g_get_real_time() * 1000;
   char *sum = opc_file_sha256(path, context, error);
   if (!sum) return NULL;
@@ -105,7 +152,7 @@ static char *read_sum(opc_store *store, const char *path,
                  nanoseconds(&about->st_mtim),
                  nanoseconds(&about->st_ctim),
                  .sum = g_strdup(sum)};
-  s->settled = s->changed < now - step && s->modified < now - step;
+  s->settled = timed && s->changed < now - step && s->modified < now - step;
   store->sums_new |= s->settled;
   g_hash_table_insert(store->sums, g_strdup(path), s);
   return sum;
@@ -114,17 +161,24 @@ static char *read_sum(opc_store *store, const char *path,
 char *opc_store_sum(opc_store *store, const char *path,
                     const opc_context *context, opc_error *error) {
   struct stat about;
-  if (!store || stat(path, &about))
+  gboolean timed;
+  if (!store || !read_attributes(path, &about, &timed))
     return opc_file_sha256(path, context, error);
   if (!store->sums_read) read_kept(store);
   const opc_sum *s = g_hash_table_lookup(store->sums, path);
-  return s && s->settled && is_of(s, &about)
+  return s && s->settled && timed && is_of(s, &about)
              ? g_strdup(s->sum)
-             : read_sum(store, path, &about, context, error);
+             : read_sum(store, path, &about, timed, context, error);
 }
 
 gboolean opc_store_same(opc_store *store, const char *path, const char *sum) {
+  struct stat about;
+  gboolean timed;
   opc_error none;
+  const opc_sum *s = g_hash_table_lookup(store->sums, path);
+  /* A file may have changed, been read, and changed back. */
+  if (s && (!read_attributes(path, &about, &timed) || !is_of(s, &about)))
+    return FALSE;
   g_autofree char *now = opc_store_sum(store, path, NULL, &none);
   return now && !strcmp(now, sum);
 }
