@@ -16,6 +16,26 @@ static double extension_effect(double extension, double blur) {
                                             : -blur / tuned.before_end;
 }
 
+/* Return the integral from -infinity to x of a step smoothed by `blur`. */
+static double ramp_integral(double x, double blur) {
+  double z = x / blur;
+  return x * 0.5 * erfc(-z * M_SQRT1_2) +
+         blur * exp(-z * z / 2) / sqrt(2 * M_PI);
+}
+
+/* Return the effect on the gate of a grid step of the edge up to `at`. */
+static double edge_weight(const sides *s, double at) {
+  return ramp_integral(at - s->low, s->blur) -
+         ramp_integral(at - s->high, s->blur);
+}
+
+void sides_weigh(sides *s) {
+  for (int side = 0; side < 2; side++) {
+    s->before[side] = edge_weight(s, s->from[side]);
+    s->all[side] = edge_weight(s, s->to[side]) - s->before[side];
+  }
+}
+
 void sides_find(const eda_gates *g, sides *out) {
   const eda_edges *e = &g->edges[EDA_POLY];
   for (size_t i = 0; i < g->count; i++) {
@@ -40,37 +60,21 @@ void sides_find(const eda_gates *g, sides *out) {
       out[f->gate].from[side] = a < b ? a : b;
       out[f->gate].to[side] = a < b ? b : a;
     }
-}
-
-/* Return the integral from -infinity to x of a step smoothed by `blur`. */
-static double ramp_integral(double x, double blur) {
-  double z = x / blur;
-  return x * 0.5 * erfc(-z * M_SQRT1_2) +
-         blur * exp(-z * z / 2) / sqrt(2 * M_PI);
-}
-
-/* Return the effect on the gate of a grid step of the edge up to `at`. */
-static double edge_weight(const sides *s, double at) {
-  return ramp_integral(at - s->low, s->blur) -
-         ramp_integral(at - s->high, s->blur);
+  for (size_t i = 0; i < g->count; i++) sides_weigh(&out[i]);
 }
 
 /* Return the effect of a jog relative to a step of the whole edge. */
 static double edge_share(const sides *s, int side, int32_t jog) {
-  double from = edge_weight(s, s->from[side]);
-  double all = edge_weight(s, s->to[side]) - from;
-  if (jog <= 0 || !(all > 0)) return 0;
+  if (jog <= 0 || !(s->all[side] > 0)) return 0;
   if (jog >= s->to[side] - s->from[side]) return 1;
-  return (edge_weight(s, s->from[side] + jog) - from) / all;
+  return (edge_weight(s, s->from[side] + jog) - s->before[side]) / s->all[side];
 }
 
 double length_share(const sides *s, double to) {
   double sum = 0;
   for (int side = 0; side < 2; side++) {
-    double from = edge_weight(s, s->from[side]);
-    double all = edge_weight(s, s->to[side]) - from;
-    double at = fmin(fmax(to, s->from[side]), s->to[side]);
-    sum += all > 0 ? (edge_weight(s, at) - from) / all / 2 : 0;
+    double all = s->all[side], at = fmin(fmax(to, s->from[side]), s->to[side]);
+    sum += all > 0 ? (edge_weight(s, at) - s->before[side]) / all / 2 : 0;
   }
   return sum;
 }

@@ -8,11 +8,15 @@
 /* The LOW and HIGH poly edge that move with a gate. Positions along W in grid
    steps from the box of the gate: ends of each edge (from, to); ends of the
    range in which the edges affect the gate (low, high). blur: standard
-   deviation of the optical smoothing, grid steps. */
+   deviation of the optical smoothing, grid steps. sides_weigh computes the
+   effect of each edge up to its end `from`, and of the whole edge. */
 typedef struct sides {
   int32_t from[2], to[2];
   double low, high, blur;
+  double before[2], all[2];
 } sides;
+
+void sides_weigh(sides *s);
 
 /* Compute the sides of all gates. */
 void sides_find(const eda_gates *gates, sides *out);

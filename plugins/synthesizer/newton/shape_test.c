@@ -13,10 +13,10 @@
 enum { WIDTH = 600, PART = 60, PAST = 80 };
 static const double gain = 2.6, leak = -0.39;
 
-static const sides edges = {.from = {-PAST, -PAST},
-                            .to = {WIDTH + PAST, WIDTH + PAST},
-                            .high = WIDTH,
-                            .blur = 60};
+static sides edges = {.from = {-PAST, -PAST},
+                      .to = {WIDTH + PAST, WIDTH + PAST},
+                      .high = WIDTH,
+                      .blur = 60};
 
 static parts parts_here(int32_t width, const sides *s) {
   eda_box box = {0, 0, 65, width};
@@ -84,10 +84,12 @@ static void test_parts(void) {
   sides near = edges;
   near.from[0] = -20;
   near.from[1] = -20;
+  sides_weigh(&near);
   p = parts_here(WIDTH, &near);
   g_assert_cmpint(p.first, ==, 0);
   g_assert_cmpint(p.last, ==, WIDTH / PART);
   near.to[0] = near.to[1] = 10000 + PAST;
+  sides_weigh(&near);
   p = parts_here(10000, &near); /* one long part in the middle, or two */
   g_assert_cmpint(p.count, <=, EDA_PARTS);
   for (int k = 0; k < p.count; k++)
@@ -253,6 +255,7 @@ static void test_thin_end(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
+  sides_weigh(&edges);
   g_test_add_func("/shape/parts", test_parts);
   g_test_add_func("/shape/beside", test_beside);
   g_test_add_func("/shape/write", test_write);
