@@ -98,22 +98,21 @@ int eda_layout_derive(eda_layout *layout, const char *name, const char *text,
 
 /* Register an expression that was selected by its text. Return the number of
    the layer. */
-static int32_t selected_keep(const eda_layout *layout, const char *text,
-                             expression *e) {
+static int32_t selected_keep(const eda_layout *layout, expression *e) {
   eda_layout *writable = (eda_layout *)layout;
   g_mutex_lock(&writable->lock);
-  if (!writable->selected)
-    writable->selected = g_ptr_array_new_with_free_func(g_free);
-  guint i = 0, n = writable->selected->len;
-  while (i < n && strcmp(writable->selected->pdata[i], text) != 0) i++;
-  if (i == n) {
-    g_ptr_array_add(writable->selected, g_strdup(text));
-    derived_keep(layout, EDA_SELECTED + (int32_t)n, e);
-  } else {
-    expression_free(e);
+  int32_t layer = EDA_SELECTED;
+  for (const expression *known; layout->derived; layer++) {
+    known = g_hash_table_lookup(layout->derived, GINT_TO_POINTER(layer));
+    if (!known || !strcmp(known->text, e->text)) break;
   }
+  if (layout->derived &&
+      g_hash_table_contains(layout->derived, GINT_TO_POINTER(layer)))
+    expression_free(e);
+  else
+    derived_keep(layout, layer, e);
   g_mutex_unlock(&writable->lock);
-  return EDA_SELECTED + (int32_t)i;
+  return layer;
 }
 
 int32_t eda_layout_select(const eda_layout *layout, const char *text,
@@ -130,15 +129,12 @@ int32_t eda_layout_select(const eda_layout *layout, const char *text,
     expression_free(e);
     return -1;
   }
-  return selected_keep(layout, text, e);
+  return selected_keep(layout, e);
 }
 
-const char *derived_name(const eda_layout *layout, int32_t layer) {
-  eda_layout *writable = (eda_layout *)layout;
-  g_mutex_lock(&writable->lock);
-  const char *name = writable->selected->pdata[layer - EDA_SELECTED];
-  g_mutex_unlock(&writable->lock);
-  return name;
+const char *derived_text(const eda_layout *layout, int32_t layer) {
+  const expression *e = derived_find(layout, layer);
+  return e ? e->text : NULL;
 }
 
 /* ---- evaluation ---- */

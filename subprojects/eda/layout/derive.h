@@ -8,8 +8,8 @@
    on. */
 enum { EDA_SELECTED = 1 << 30 };
 
-/* Return the text of the expression of such a layer. [any] */
-const char *derived_name(const eda_layout *layout, int32_t layer);
+/* Return the text of the expression of a layer; NULL for other layers. [any] */
+const char *derived_text(const eda_layout *layout, int32_t layer);
 
 /* Return whether the shapes of a layer depend on the layer `on`. [any] */
 int eda_layout_depends(const eda_layout *layout, int32_t layer, int32_t on);

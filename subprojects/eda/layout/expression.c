@@ -29,6 +29,7 @@ void expression_free(expression *e) {
   expression_free(e->a);
   expression_free(e->b);
   g_free(e->name);
+  g_free(e->text);
   free(e);
 }
 
@@ -174,9 +175,12 @@ expression *expression_parse(const char *text, opc_error *error) {
   parser p = {.text = text, .at = text, .error = error};
   expression *e = parse_sum(&p);
   skip_blanks(&p);
-  if (!e || !*p.at) return e;
-  expression_free(e);
-  return parser_fail(&p, "an operator or the end");
+  if (e && *p.at) {
+    expression_free(e);
+    return parser_fail(&p, "an operator or the end");
+  }
+  if (e) e->text = g_strdup(text);
+  return e;
 }
 
 int eda_layer_is_expression(const char *text) {

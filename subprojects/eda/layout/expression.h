@@ -15,6 +15,7 @@ typedef struct expression {
   expression_kind kind;
   int op;                   /* of a boolean: EDA_OR ... EDA_XOR */
   double length;            /* of a growth, nm; negative: shrink */
+  char *text;               /* of the whole expression; NULL: a part */
   char *name;               /* of a layer */
   int32_t layer;            /* number of the layer, set by the owner */
   struct expression *a, *b; /* operands; `b` only of a boolean */

@@ -65,7 +65,6 @@ void eda_layout_free(void *object) {
   g_hash_table_destroy(layout->layer_of);
   g_hash_table_destroy(layout->file_layer);
   g_clear_pointer(&layout->derived, g_hash_table_destroy);
-  if (layout->selected) g_ptr_array_free(layout->selected, TRUE);
   free(layout->strings);
   free(layout->order);
   drop_reach(layout);
@@ -308,7 +307,7 @@ const char *eda_layout_cell_name(const eda_layout *layout, int32_t number) {
 
 const char *eda_layout_layer_name(const eda_layout *layout, int32_t layer) {
   return layer < EDA_SELECTED ? layout->layers[layer]
-                              : derived_name(layout, layer);
+                              : derived_text(layout, layer);
 }
 
 /* Number the polygons of all cells, sheet by sheet. */
@@ -394,8 +393,7 @@ const char *eda_layout_instance(const eda_layout *layout, int32_t number,
 
 /* ---- removal of cells ---- */
 
-/* Set marked[] of `top` and of all cells below. */
-static void mark_below(const eda_layout *layout, int32_t top, uint8_t *marked) {
+void eda_layout_mark(const eda_layout *layout, int32_t top, uint8_t *marked) {
   int32_t *todo = eda_alloc(layout->n_cells, sizeof *todo);
   size_t n = 0;
   marked[top] = 1;
@@ -417,7 +415,7 @@ int eda_layout_keep(eda_layout *layout, int32_t top, opc_error *error) {
     return opc_fail(error, OPC_INVALID, NULL, "cell %d does not exist", top);
   uint8_t *marked = eda_alloc(layout->n_cells, 1);
   int32_t *number = eda_alloc(layout->n_cells, sizeof *number);
-  mark_below(layout, top, marked);
+  eda_layout_mark(layout, top, marked);
   g_hash_table_remove_all(layout->cell_of);
   int32_t n = 0;
   for (size_t i = 0; i < layout->n_cells; i++) {

@@ -79,7 +79,6 @@ struct eda_layout {
   GHashTable *file_layer;         /* layer number to name in the file */
   GHashTable *derived; /* layer number to expression, under the lock; NULL:
                           none */
-  GPtrArray *selected; /* texts of expressions (derive.h), under the lock */
   char *strings;
   size_t n_strings, capacity_strings;
 
@@ -120,6 +119,9 @@ static inline uint64_t add_product(uint64_t a, uint64_t b, uint64_t c,
 
 /* Compute the members that are valid if `ordered`. [any] */
 void eda_layout_order(const eda_layout *layout);
+
+/* Set marked[] of `top` and of all cells below. */
+void eda_layout_mark(const eda_layout *layout, int32_t top, uint8_t *marked);
 
 /* Return the sheet of a layer in a cell; NULL if the cell has no shapes on the
    layer. */

@@ -85,6 +85,13 @@ OPC_EXPORT int eda_layout_add_instance(eda_layout *layout, int32_t cell,
                                        const eda_placement *placement,
                                        const char *name, opc_error *error);
 
+/* Copy a cell of another layout with the same unit, and all cells below. Layers
+   are joined by name. A cell whose name exists is named NAME$2 and so on.
+   Return the number of the copy; -1 and *error if the units or the definitions
+   of a derived layer differ. [main] */
+OPC_EXPORT int32_t eda_layout_import(eda_layout *to, const eda_layout *from,
+                                     int32_t cell, opc_error *error);
+
 /* Return the length of a database unit, nm; the number of cells, of layers; the
    name of a cell, of a layer. */
 OPC_EXPORT double eda_layout_unit(const eda_layout *layout);
