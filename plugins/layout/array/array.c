@@ -100,9 +100,9 @@ static int check_sizes(const array *a, opc_error *error) {
   return OPC_OK;
 }
 
-/* Place a member with the lower left corner of its box at (x, y), mirrored left
-   to right or upside down, `columns` times with the distance dx and `rows`
-   times with the distance dy. */
+/* Place a member `columns` times with the distance dx and `rows` times with the
+   distance dy. The first one is mirrored left to right or upside down and has
+   the lower left corner of its box at (x, y). */
 static int put_member(const member *m, eda_layout *out, int32_t cell, int64_t x,
                       int64_t y, int left_right, int upside_down,
                       uint32_t columns, uint32_t rows, int32_t dx, int32_t dy,
