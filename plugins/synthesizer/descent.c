@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the descent of all transistors: correction of lengths, then of
+/* Implements the descent for all transistors: lengths are corrected first, then
    widths. */
 #include "descent.h"
 
 #include <eda/memory.h>
 #include <stdlib.h>
 
-/* Deviation, %, of a transistor that is open: its line does not print across
-   the entire width. An open line is too thin, so the deviation has the sign of
-   too much current. */
+/* Deviation, %, assumed for an open transistor, whose line does not print
+   across the entire width. An open line is too thin, so the deviation has the
+   sign of too much current. */
 static const double open = 100;
 
 void descent_clear(descent *d) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements synthesizer.dpb: device performance-based OPC (thesis 3.2.2 (2),
-   figure 3.3). Each transistor is corrected separately: first a jump of its
+   figure 3.3). Each transistor is corrected separately: first a jump of the
    length, then single grid steps of the length, then steps of the width. Steps
    continue as long as the performance deviation error decreases; a step that
    increases the error is reverted. correct/control.h implements the steps of
@@ -80,7 +80,7 @@ static const opc_parameter parameters[] = {
                   .unit = "%", .follows = "ion_limit of the step",
                   .former = "max_pde|limit",
                   .summary = "largest allowed |Ion deviation|; a transistor "
-                             "within the limit keeps the mask"),
+                             "within the limit is not changed"),
     OPC_PARAMETER(dpb, init_adjust, .type = OPC_REAL,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
                   .preset = "0 nm", .min = -100, .max = 100,
@@ -91,11 +91,11 @@ static const opc_parameter parameters[] = {
         .summary = "CSV table of first corrections by L and W; the row of the "
                    "nearest L, then of the nearest W applies"),
     EDA_MAX_BIAS(dpb),
-    OPC_PARAMETER_NAMED("w_step", dpb, proportional, .type = OPC_CHOICE,
-                        .preset = "proportional",
-                        .choices = "unit|proportional",
-                        .summary = "steps of W: one grid unit, or proportional "
-                                   "to the error, as Ion is proportional to W"),
+    OPC_PARAMETER_NAMED(
+        "w_step", dpb, proportional, .type = OPC_CHOICE,
+        .preset = "proportional", .choices = "unit|proportional",
+        .summary = "steps of W: one grid step, or proportional to the error, "
+                   "because Ion is proportional to W"),
 };
 
 /* Compute the defaults of parameters that are not set. */

@@ -14,11 +14,12 @@ enum { MOST = 4 };
 typedef struct model {
   size_t n;
   double offset[MOST], by_l[MOST], by_w[MOST];
-  uint32_t veto[MOST]; /* vetoed for l >= this; with EDA_VETO_SHORTER for l <=
-                          this */
+  uint32_t veto[MOST]; /* the correction is vetoed at l >= this value; with
+                          EDA_VETO_SHORTER at l <= this value */
   int32_t veto_from[MOST];
-  int32_t prints_from[MOST]; /* smallest l that prints; 0: all print */
-  double width[MOST];        /* 0: 200 */
+  int32_t prints_from[MOST]; /* smallest l at which the line prints; 0: it
+                                prints at every l */
+  double width[MOST];        /* drawn width, nm; 0: 200 */
   /* Effect of neighbours on the first transistor, %, from update `from`
      onwards, repeated after `every` updates (0: once). */
   struct {
@@ -27,7 +28,8 @@ typedef struct model {
   } neighbours;
   const double *ion_limit; /* ion_limit of the step */
   int32_t l[MOST], w[MOST];
-  GString *trace; /* moves of the first transistor: "l,w " after each update */
+  GString *trace; /* "l,w " of the first transistor, appended after each
+                     update */
   int updates;
 } model;
 
@@ -112,8 +114,8 @@ static void test_by_hand(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* The same with too little current: W grows by single steps, -6.5 % from L -2;
-   -1, and L -3 would result in +2. */
+/* The same with too little current: -6.5 % remain at L -2. W grows by single
+   steps; -1 % would remain, and L -3 would result in +2 %. */
 static void test_by_hand_shorter(void) {
   g_autoptr(opc_module) m = model_make("{ w_step: unit, ion_limit: 0.5 % }");
   model t = {.n = 1, .offset = {-7}, .by_l = {-3}, .by_w = {0.2}};
@@ -123,8 +125,8 @@ static void test_by_hand_shorter(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* Defaults of all synthesizers at 248 nm, NA 0.7: 0.311, 0.155 and 0.233 of
-   354.3 nm. */
+/* Default parameters of all synthesizers at 248 nm, NA 0.7: 0.311, 0.155 and
+   0.233 times wavelength / NA (354.3 nm). */
 static void test_follows(void) {
   static const char *const all[][2] = {
       {"synthesizer.dpb", "max_bias 110 nm"},
@@ -143,8 +145,9 @@ static void test_follows(void) {
   }
 }
 
-/* +7 %: within a limit of 8 %, beyond a limit of 6 %. The limit of the
-   synthesizer has priority over the limit of the step; the default is 0.5 %. */
+/* A deviation of +7 % is within a limit of 8 % and beyond a limit of 6 %. The
+   limit of the synthesizer has priority over the limit of the step; the default
+   is 0.5 %. */
 static void test_limit_of_step(void) {
   static const double wide = 8, narrow = 6;
   static const struct {
@@ -170,8 +173,9 @@ static void test_limit_of_step(void) {
   }
 }
 
-/* init_adjust is signed and applied as given: 3 steps shorter at once; and 2
-   steps longer, in the wrong direction, which single steps then revert. */
+/* init_adjust is signed and applied as given: -3 nm shortens the gate by 3
+   steps at once. 2 nm lengthens the gate in the wrong direction, and single
+   steps then revert the correction. */
 static void test_init_adjust(void) {
   g_autoptr(opc_module) m =
       model_make("{ w_step: unit, ion_limit: 0.5 %, init_adjust: -3 nm }");
@@ -187,8 +191,8 @@ static void test_init_adjust(void) {
   g_string_free(u.trace, TRUE);
 }
 
-/* A first correction of several steps beyond the minimum is followed by single
-   steps; it is not reverted as a whole. */
+/* If a first correction of several steps overshoots the minimum, single steps
+   follow; the correction is not reverted as a whole. */
 static void test_init_adjust_too_far(void) {
   g_autoptr(opc_module) m =
       model_make("{ w_step: unit, ion_limit: 0.5 %, init_adjust: 5 nm }");
@@ -198,9 +202,10 @@ static void test_init_adjust_too_far(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* Steps of W are proportional to the error: -4 % of 200 is 8 steps. With half
-   of the expected response, W converges in a few steps, the last ones single.
-   With double the response, a change of sign halves the steps. */
+/* Steps of W are proportional to the error: -4 % of W 200 is 8 steps. If W has
+   half of the expected effect, the error converges in a few steps, the last of
+   which are single. If W has twice the expected effect, each change of sign
+   halves the steps. */
 static void test_proportional(void) {
   g_autoptr(opc_module) m =
       model_make("{ ion_limit: 0.1 %, w_step: proportional }");
@@ -219,7 +224,7 @@ static void test_proportional(void) {
   g_string_free(u.trace, TRUE);
 }
 
-/* If W is at its limit, L takes one more step and W returns. */
+/* If W is at its limit, L takes one more step, and W returns from the limit. */
 static void test_exchange(void) {
   g_autoptr(opc_module) m =
       model_make("{ ion_limit: 0.3 %, w_step: proportional, max_bias: 10 nm }");
@@ -260,8 +265,8 @@ static void test_within(void) {
 }
 
 /* With a grid too coarse for the limit, the transistor stays at the minimum of
-   W and its verdict is a stall. PDE 7, 4, 1, -2, 1; W: -2 % per step, 1 -> -1
-   (no better, not worse) -> -3 rises -> revert. */
+   W, and the verdict names the grid. PDE 7, 4, 1, -2, 1; W: -2 % per step, 1 ->
+   -1 (no better, not worse) -> -3 rises -> revert. */
 static void test_grid(void) {
   g_autoptr(opc_module) m = model_make("{ w_step: unit, ion_limit: 0.1 % }");
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {2}};
@@ -304,7 +309,8 @@ static void test_veto_of_shorter(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* W may not decrease: the transistor stays, and its verdict names the veto. */
+/* W must not decrease: the transistor is not changed, and the verdict names the
+   veto. */
 static void test_veto_of_narrower(void) {
   g_autoptr(opc_module) m = model_make("{ w_step: unit, ion_limit: 0.5 % }");
   model t = {.n = 1,
@@ -319,8 +325,9 @@ static void test_veto_of_narrower(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* 25 % too little current, 0.5 % for each of 200 steps of W, no effect of L: at
-   most 20 wider at a time, then 5 % of 240, and 1 % of 252 back. */
+/* 25 % too little current, 0.5 % for each of 200 steps of W, no effect of L. W
+   grows by at most 20 steps per iteration, then by 5 % of 240, and then shrinks
+   by 1 % of 252. */
 static void test_widest(void) {
   g_autoptr(opc_module) m =
       model_make("{ ion_limit: 0.5 %, w_step: proportional }");
@@ -332,7 +339,7 @@ static void test_widest(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* W moves by at most half of W at any max_bias. */
+/* W moves by at most half of W, however large max_bias is. */
 static void test_half_width(void) {
   g_autoptr(opc_module) m =
       model_make("{ w_step: unit, ion_limit: 0.5 %, max_bias: 20 nm }");
@@ -355,8 +362,9 @@ static void test_bias_limit(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* An open line has no current; its length grows until the line prints. Each
-   transistor converges independently, and the loop ends after the last one. */
+/* An open line has no current; the length of the gate grows until the line
+   prints. Each transistor converges independently, and the loop ends after the
+   last one. */
 static void test_open(void) {
   g_autoptr(opc_module) m = model_make("{ w_step: unit }");
   model t = {
@@ -425,7 +433,7 @@ static void test_taken_up(void) {
   }
 }
 
-/* It resumes at most eight times. */
+/* A transistor resumes at most eight times. */
 static void test_taken_up_often(void) {
   g_autoptr(opc_module) m = model_make("{ w_step: unit, ion_limit: 0.1 % }");
   model t = {.n = 1, .offset = {8.2}, .by_l = {-3.3}, .by_w = {1.2}};
@@ -450,8 +458,9 @@ static char *write_table(const char *text) {
   return path;
 }
 
-/* Transistors of L 65 and W 200: the nearest length is 65, not 60. Among its
-   widths, 150 is nearer than 300 by ratio (1.33 to 1.5). */
+/* For transistors of L 65 and W 200, the nearest length in the table is 65, not
+   60. Among the widths at this length, 150 is nearer than 300 by ratio (1.33
+   against 1.5). */
 static void test_table(void) {
   g_autofree char *path = write_table(
       "l (nm),w (nm),init_adjust (nm),iterations\n"
@@ -465,7 +474,7 @@ static void test_table(void) {
   g_string_free(t.trace, TRUE);
 }
 
-/* Check that reading the table fails with this message. */
+/* Check that reading the table fails with the message `want`. */
 static void check_refused(const char *text, const char *want) {
   g_autofree char *path = write_table(text);
   g_autofree char *given =
@@ -497,7 +506,7 @@ static void test_table_refused(void) {
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++)
     check_refused(cases[i].text, cases[i].want);
-  /* Rows are compared pairwise. */
+  /* Rows are compared in pairs, so their number is limited. */
   g_autoptr(GString) many = g_string_new("l,w,init_adjust\n");
   for (int i = 1; i <= 10001; i++) g_string_append_printf(many, "%d,1,1\n", i);
   check_refused(many->str, "table.csv:10002:1: more than 10000 rows");

@@ -12,7 +12,8 @@ enum { LENGTH, WIDTH, ADJUST, COLUMNS };
 static const eda_csv_column columns[COLUMNS] = {
     {"l", "nm", 0}, {"w", "nm", 0}, {"init_adjust", "nm", 0}};
 
-/* Largest number of rows, which are compared pairwise, and largest |value|. */
+/* Largest number of rows (limited because rows are compared in pairs), and
+   largest |init_adjust|, nm. */
 enum { MOST_ROWS = 10000, MOST_NM = 100 };
 
 static int table_read_row(const eda_csv *csv, size_t i, first_table *out,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Table of first corrections by L and W, which characterize.init_adjust writes:
-   a CSV file with the columns l, w and init_adjust, nm. All other columns are
-   ignored. */
+/* Table of first corrections by L and W. characterize.init_adjust writes the
+   table as a CSV file with the columns l, w and init_adjust, nm. All other
+   columns are ignored. */
 #pragma once
 
 #include <opcflow/base.h>
@@ -15,7 +15,8 @@ typedef struct first_table {
   size_t count;
 } first_table;
 
-/* Read a file into `out`. Return OPC_OK, or an error with line and column. */
+/* Read a CSV file into `out`. Return OPC_OK, or an error that states line and
+   column. */
 int first_table_read(const char *path, first_table *out, opc_error *error);
 void first_table_clear(first_table *table);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements assist features beside all edges (eda/srafs.h), and the limits of
-   fragments beside assist features. */
+/* Implements the placement of assist features beside all edges (eda/srafs.h),
+   and the limits of fragments beside assist features. */
 #include <eda/memory.h>
 #include <eda/srafs.h>
 #include <string.h>
@@ -29,8 +29,8 @@ static void limit_fragment(epe_layer *l, const eda_index *srafs, uint32_t i) {
     int32_t off = p->axis == EDA_X
                       ? (p->sign > 0 ? sraf.x0 - line : line - sraf.x1)
                       : (p->sign > 0 ? sraf.y0 - line : line - sraf.y1);
-    /* Diagonally beside a corner, min_space along one axis is sufficient. The
-       axis with the larger distance is chosen. */
+    /* Diagonally beside a corner, a distance of min_space along one axis is
+       sufficient. Choose the axis with the larger distance. */
     int32_t a = p->axis == EDA_X ? sraf.y0 : sraf.x0;
     int32_t b = p->axis == EDA_X ? sraf.y1 : sraf.x1;
     int32_t past = (int32_t)epe_max(a - (m < n ? n : m), (m < n ? m : n) - b);

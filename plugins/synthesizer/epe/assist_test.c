@@ -55,8 +55,8 @@ static int has_sraf(const trial *t, int32_t x0, int32_t y0, int32_t x1,
   "assist_min_length: 60 nm, iterations: 0"
 
 /* A line with assist features beside the sides and the ends; the longer
-   features are placed first. A second row. No feature in a space that is too
-   narrow. */
+   features are placed first. With `assist: 2` there is a second row. A space
+   that is too narrow has no feature. */
 static void test_assists(void) {
   const eda_box boxes[] = {{0, 0, 65, 1000}, {0, 0, 65, 1000}};
   g_autoptr(shapes) s = make_shapes(boxes, 1);
@@ -80,7 +80,7 @@ static void test_assists(void) {
   t = trial_correct("{ " BARS " }", &s->gates, straight);
   g_assert_cmpuint(t.cuts.assists.count, ==, 0);
   trial_clear(&t);
-  /* The second line leaves 259 nm, then 260. */
+  /* The second line is 259 nm away, then 260 nm. */
   for (int more = 0; more < 2; more++) {
     const eda_box two[] = {{0, 0, 65, 1000}, {324 + more, 0, 400 + more, 1000}};
     g_autoptr(shapes) pair = make_shapes(two, 2);

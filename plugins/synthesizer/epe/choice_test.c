@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests lengths of fragments; the choice of the best iteration, with random
-   errors and currents, against sums over the edges; and bounds of the measured
-   gain. */
+/* Tests the lengths of fragments; the choice of the best iteration among random
+   errors and currents, compared with sums over the edges; and the bounds of the
+   measured gain. */
 #include <eda/eda.h>
 
 #include "tools/devel/testing.h"
@@ -19,7 +19,8 @@ static double random_in(double low, double high) {
   return low + (high - low) * (state >> 8) / (1 << 24);
 }
 
-/* One box; gate 0 owns the part below the border, gate 1 the other part. */
+/* A box whose lower part, below the border, belongs to gate 0, and whose upper
+   part belongs to gate 1. */
 typedef struct drawing {
   eda_point points[4];
   uint32_t start[2];
@@ -99,7 +100,8 @@ typedef struct seen {
   double cost;
 } seen;
 
-/* Return the mean |EPE| along the edges; a lost edge counts as 100 nm. */
+/* Return the mean |EPE| along the edges; a site without an edge counts as 100
+   nm. */
 static double mean_epe(const eda_cuts *c, const double *epe) {
   size_t n = c->start[1];
   double sum = 0, length = 0;
@@ -130,7 +132,8 @@ static const char *verdict_of(const eda_cuts *c, const seen *s, int gate) {
   return words[worst];
 }
 
-/* The iteration of least cost is kept, at any position. */
+/* The mask of the iteration with the least cost is kept, whichever iteration it
+   is. */
 static void test_kept(void) {
   int kept_at[ROUNDS] = {0}, words = 0;
   for (int n = 0; n < 60; n++) {
@@ -184,7 +187,7 @@ static void test_kept(void) {
     for (int g = 0; g < GATES; g++) {
       const char *want = verdict_of(&cuts, &seen_at[best], g);
       const char *got = s->verdict(m->self, (size_t)g);
-      /* This test does not know the limits by mask rules. */
+      /* The test does not compute the limits by mask rules. */
       if (!g_str_equal(got, "mask rule")) g_assert_cmpstr(got, ==, want);
       if (g_str_equal(got, "mask rule")) g_assert_cmpstr("epe", ==, want);
       words |= 1 << want[0] % 32;
@@ -276,8 +279,8 @@ static double until_20(uint32_t iteration) {
   return falling(iteration < 20 ? iteration : 20);
 }
 
-/* The loop ends 20 iterations after the last decrease by 5 %. A loop that ends
-   before, by `iterations`, reports so once. */
+/* The loop ends 20 iterations after the last decrease by 5 %. A loop that
+   reaches `iterations` before logs this once. */
 static void test_convergence(void) {
   const char *expected = "not converged after 30 iterations";
   opc_test_forget();
@@ -317,7 +320,7 @@ static void test_constant_error(void) {
   g_assert_cmpuint(moved, >, 1);
   g_assert_cmpuint(moved, <, 30);
   g_assert_cmpuint(f.iteration, ==,
-                   moved + 6); /* four, and the last iteration */
+                   moved + 6); /* four iterations, and the last one */
 }
 
 int main(int argc, char **argv) {

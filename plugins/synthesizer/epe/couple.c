@@ -67,8 +67,8 @@ static void coupling_add_site(void *data, size_t i) {
   if (!m->weight) m->start[i + 1] = n;
 }
 
-/* Allocate n rows. start[i + 1], the length of row i, is replaced by its end.
- */
+/* Allocate n rows. Replace start[i + 1], the length of row i, by the end of row
+   i. */
 static void coupling_make_rows(epe_coupling *m, size_t n) {
   for (size_t i = 0; i < n; i++) m->start[i + 1] += m->start[i];
   m->index = eda_alloc(m->start[n], sizeof *m->index);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the fragmentation of the edges of a layer (thesis 3.3.1): short
-   fragments beside corners and opposite to corners of other edges, and
-   fragments of equal length between them. */
+   fragments beside corners and opposite corners of other edges, and fragments
+   of equal length elsewhere. */
 #include "epe.h"
 
 #include <eda/memory.h>
@@ -57,8 +57,8 @@ static void cut_at(cutter *c, int32_t t) {
 }
 
 /* Mark the projection of a corner of another edge onto the edge, and positions
-   one ripple length before and after. Only corners in front of the edge count.
- */
+   one ripple length before and after the projection. Only corners on the outer
+   side of the edge count. */
 static void cut_at_corner(cutter *c, const drawn_edge *e, eda_point p) {
   const epe_rules *r = c->layer->rules;
   int32_t off = e->axis == EDA_X ? p.x - e->a.x : p.y - e->a.y;
@@ -77,7 +77,8 @@ static void cut_ripples(cutter *c, const drawn_edge *e) {
   const epe_rules *r = c->layer->rules;
   if (r->ripple_reach <= 0) return;
   int32_t out = e->sign * r->ripple_reach;
-  eda_point sight[] = {e->a, e->b}; /* corners of the region in front */
+  eda_point sight[] = {e->a, e->b}; /* corners of the searched region in front
+                                       of the edge */
   *(e->axis == EDA_X ? &sight[1].x : &sight[1].y) += out;
   eda_finder f = eda_index_find(c->corners, eda_bounds(sight, 2));
   for (uint32_t k; eda_index_next(&f, &k);)
@@ -186,8 +187,9 @@ static void cut_polygons(cutter *c) {
 
 /* ---- sites ---- */
 
-/* Set the site to the centre of the fragment, but at least `tangency` away from
-   corners, where the printed image is round, if the edge is long enough. */
+/* Set the site to the centre of the fragment. If the edge is long enough, keep
+   the site at least `tangency` away from the corners, where the printed image
+   is round. */
 static void fragment_set_site(epe_layer *l, uint32_t i, double grid) {
   const epe_fragment *p = &l->fragments[i];
   uint32_t first = l->edge[p->edge], last = l->edge[p->edge + 1] - 1;
@@ -208,8 +210,8 @@ static int64_t point_distance(eda_point a, eda_point b) {
   return llabs((int64_t)b.x - a.x) + llabs((int64_t)b.y - a.y);
 }
 
-/* Set the transistor that owns the centre of each fragment, from the fragments
-   of the gates, which dissect the same polygons. */
+/* Set the transistor that owns the centre of each fragment, `e`: fragments of
+   the gates, a division of the same polygons. */
 static void layer_set_owners(epe_layer *l, const eda_edges *e) {
   if (e->polygons != l->polygons) return;
   for (size_t p = 0; p < l->polygons; p++) {
@@ -245,8 +247,8 @@ static void find_corners(cutter *c, size_t n) {
       eda_point b = s->points[i];
       eda_point d = s->points[i < last ? i + 1 : s->start[p]];
       boxes[i] = (eda_box){b.x, b.y, b.x, b.y};
-      /* Convex: a turn to the left. Signs only, because products may overflow.
-       */
+      /* Convex: a turn to the left. Compare signs only, because products may
+         overflow. */
       int in_x = (b.x > a.x) - (b.x < a.x), in_y = (b.y > a.y) - (b.y < a.y);
       int out_x = (d.x > b.x) - (d.x < b.x), out_y = (d.y > b.y) - (d.y < b.y);
       c->convex[i] = in_x * out_y - in_y * out_x > 0;

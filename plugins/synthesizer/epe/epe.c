@@ -27,7 +27,7 @@ static const char *const verdicts[VERDICTS] = {
 
 typedef struct epe {
   const opc_host *host;
-  /* Parameters, nm. Lengths at corners: NAN: equal to `fragment`. */
+  /* Parameters, nm. A length at corners that is NAN equals `fragment`. */
   double fragment, concave_corner, corner_edge, line_end, ripple, ripple_reach;
   double min_edge, tangency, min_width, min_space, min_jog, max_shift, blur;
   double step, damping, stiffness;
@@ -42,14 +42,14 @@ typedef struct epe {
   epe_layer *layers;
   size_t n_layers;
   double grid;
-  size_t count; /* transistors */
+  size_t count; /* number of transistors */
   uint8_t *verdict;
   double best;      /* smallest cost; INFINITY: none yet */
-  double milestone; /* cost at the last substantial decrease */
+  double milestone; /* cost after the last decrease by tuned.progress */
   int64_t reached;  /* iteration of `milestone` */
   int reported;     /* 1: missing convergence was logged */
-  size_t dropped;   /* number of assist features removed because they printed */
-  int still;        /* number of iterations since the last shift */
+  size_t dropped;   /* number of assist features removed because they print */
+  int still;        /* number of iterations since a fragment last moved */
 } epe;
 
 /* ---- work: begin and cut ---- */
@@ -70,8 +70,8 @@ static int32_t at_least(int32_t n, int32_t least) {
   return n > least ? n : least;
 }
 
-/* Return the length of a fragment beside a corner, grid steps. NAN: the length
-   of all fragments. */
+/* Return the length of a fragment beside a corner, grid steps. `nm`: NAN: equal
+   to `fragment`. */
 static int32_t corner_length(const epe *d, double nm) {
   return at_least(grid_steps(d, isnan(nm) ? d->fragment : nm),
                   d->rules.min_edge);
@@ -128,7 +128,8 @@ static int epe_begin_run(void *self, const eda_feedback *f, opc_error *error) {
   return OPC_OK;
 }
 
-/* Return 1 if a layer is corrected. Layers after active are treated as poly. */
+/* Return 1 if a layer is corrected. The choice `poly` includes the layers after
+   active. */
 static int is_corrected(const epe *d, int layer) {
   return d->which_layers == LAYERS_BOTH ||
          d->which_layers == (layer == EDA_ACTIVE ? LAYERS_ACTIVE : LAYERS_POLY);
@@ -200,8 +201,8 @@ static double mean_ion(const eda_feedback *f) {
   return sum / (double)f->gates->count;
 }
 
-/* Return 1 if Ion selects the best iteration. With only layers without
-   transistors corrected, Ion does not change. */
+/* Return 1 if Ion selects the best iteration. If only layers without
+   transistors are corrected, Ion does not change. */
 static int best_is_by_ion(const epe *d) {
   if (d->which_best != BEST_AUTO) return d->which_best == BEST_ION;
   return d->count > 0 && d->n_layers > EDA_ACTIVE &&
@@ -236,8 +237,8 @@ static const eda_field *print_of(const eda_feedback *f, size_t layer) {
   return f->print ? &f->print[layer] : NULL;
 }
 
-/* Remove printed assist features permanently. The best mask contained them, so
-   restart the search for the best mask. */
+/* Remove printed assist features permanently. The best mask contains these
+   features, so restart the search for the best mask. */
 static void assists_drop(epe *d, const eda_feedback *f) {
   size_t all = 0;
   for (size_t k = 0; k < d->n_layers && f->print; k++)
@@ -384,19 +385,20 @@ static const opc_parameter parameters[] = {
     LENGTH("max_shift", max_shift, OPC_ABOVE, "0.233 lambda/NA",
            "largest shift of a fragment"),
     LENGTH("step", step, OPC_ABOVE, "0.031 lambda/NA",
-           "largest move of a fragment per iteration"),
+           "largest change of a fragment's shift per iteration"),
     NUMBER("damping", damping, OPC_ABOVE | OPC_AT_MOST, 1, "0.7",
-           "fraction of an error that one move corrects"),
+           "fraction of the computed change of shift that is applied in an "
+           "iteration"),
     NUMBER("stiffness", stiffness, OPC_ABOVE, 0, "1",
-           "weight of moves against errors: larger values converge slower and "
-           "more safely; 2 if features hardly print"),
+           "weight of shifts relative to errors: a larger value converges more "
+           "slowly and reliably; 2 if features hardly print"),
     LENGTH(
         "blur", blur, OPC_ABOVE, "0.155 lambda/NA",
         "standard deviation of the effect of a move on the contour (Gaussian)"),
     OPC_PARAMETER(epe, iterations, .type = OPC_INT, .flags = OPC_AT_LEAST,
                   .preset = "80",
                   .summary = "largest number of moves; the synthesizer stops "
-                             "when the best iteration hardly improves"),
+                             "earlier if the best iteration hardly improves"),
     OPC_PARAMETER_NAMED("layers", epe, which_layers, .type = OPC_CHOICE,
                         .preset = "both", .choices = "both|poly|active",
                         .summary = "corrected layers"),
@@ -423,8 +425,8 @@ static const opc_parameter parameters[] = {
            "intensity margin to printing below which an assist feature is "
            "removed; clear field 1"),
     NUMBER("window.level", window_level, OPC_ABOVE, 0, "0.01",
-           "intensity difference of the higher and the lower dose at the "
-           "edge; clear field 1"),
+           "intensity difference between the higher dose and the nominal dose "
+           "at the edge, equal to that of the lower dose; clear field 1"),
     NUMBER("window.weight", window_weight, OPC_AT_LEAST | OPC_AT_MOST, 1, "0",
            "weight of the errors at other doses in the feedback"),
 };
@@ -450,14 +452,13 @@ static void epe_follow(epe *d, const eda_feedback *f) {
 static const opc_metric metrics[] = {
     {"assists", NULL, OPC_NEUTRAL, 0, "number of assist features on the mask"},
     {"assists_dropped", NULL, OPC_LOWER, 0,
-     "number of assist features removed because they printed"},
+     "number of assist features removed because they print"},
 };
 
 static int epe_check(void *self, opc_error *error) {
   const epe *d = self;
   if (!(d->min_edge > d->fragment))
-    return OPC_OK; /* false also while one of
-                      them is not known */
+    return OPC_OK; /* also false if one of the lengths is unknown (NAN) */
   return opc_fail(error, OPC_INVALID, "min_edge",
                   "'min_edge' is %g nm, expected at most 'fragment', %g nm",
                   d->min_edge, d->fragment);

@@ -33,16 +33,18 @@ typedef struct epe_fragment {
 
 enum { EPE_FROM = 1, EPE_TO = 2 };
 
-/* States of an edge, a set. NARROWED: bounds of fragments were narrowed. SHORT:
-   a run is too short. In both states epe_settle computes the edge again. WHOLE:
-   all fragments have one shift. */
+/* States of an edge, a bit set. EPE_NARROWED: the bounds of a fragment were
+   narrowed. EPE_SHORT: a run is shorter than min_edge. In both states
+   epe_settle computes the edge again. EPE_WHOLE: all fragments have one
+   shift. */
 enum { EPE_NARROWED = 1, EPE_SHORT = 2, EPE_WHOLE = 4 };
 
 static inline double epe_length(const epe_fragment *p) {
   return abs(p->to.x - p->from.x) + abs(p->to.y - p->from.y);
 }
 
-/* Adjacent fragments of an edge with equal shifts: first to end - 1. */
+/* Adjacent fragments of an edge with equal shifts, from `first` to `end` -
+   1. */
 typedef struct epe_run {
   uint32_t first, end;
   double weighted, length;  /* sums of wanted shift * length, and of length */
@@ -66,7 +68,8 @@ typedef struct epe_coupling {
   float *weight;
 } epe_coupling;
 
-/* Operands are never NaN, so no call of fmin is needed. */
+/* Return the smaller operand. Operands are never NaN, so a call of fmin is not
+   needed. */
 static inline double epe_min(double a, double b) { return a < b ? a : b; }
 static inline double epe_max(double a, double b) { return a > b ? a : b; }
 static inline double epe_within(double x, double low, double high) {
@@ -97,8 +100,8 @@ typedef struct epe_layer {
   double *work[5];        /* work arrays of steer.c */
   double *step;           /* largest change of the shift per iteration */
   double *side;           /* error to correct; at a site without an edge nearby,
-                             only the sign counts: of the last error or of the
-                             level set */
+                             only the sign is valid: that of the last measured
+                             error or of the level set */
   double *error, *before; /* errors of the last and the previous simulation,
                              grid steps; NAN: no edge near the site */
   double *cost;           /* measured |EPE|, nm */
@@ -107,9 +110,9 @@ typedef struct epe_layer {
   int32_t *low, *high; /* bounds of the shift by the mask rules */
   int32_t *most;       /* largest outward shift */
   eda_box_list srafs;  /* assist features */
-  epe_run *runs;       /* runs of each edge, from the index of its first
-                          fragment */
-  int32_t *settled;    /* next shifts, computed in rules.c */
+  epe_run *runs;       /* runs of each edge; those of edge e start at the index
+                          of the first fragment of e */
+  int32_t *settled;    /* shifts of the next mask, computed in rules.c */
   uint8_t *broken;     /* [pair_count], 1: the fragments are too close */
 } epe_layer;
 
@@ -134,8 +137,8 @@ void epe_find_pairs(epe_layer *layer);
    stay as drawn. Return the number of such pairs and edges (pairs.c). */
 size_t epe_separate(epe_layer *layer, const int32_t *shift, int hard);
 
-/* Set `shift` to the shifts nearest to layer->wanted that satisfy the mask
-   rules (rules.c). */
+/* Set `shift` to shifts near layer->wanted that satisfy the mask rules
+   (rules.c). */
 void epe_settle(epe_layer *layer, int32_t *shift);
 
 /* Average the errors and costs with those at two other doses, whose contours
@@ -144,7 +147,8 @@ void epe_settle(epe_layer *layer, int32_t *shift);
 void epe_weigh(epe_layer *layer, const eda_field *print, double weight,
                double level, double grid);
 
-/* Compute `coupling` and `transposed` (couple.c). */
+/* Compute the matrices `coupling` and `transposed` of a layer (couple.c).
+   `grid`: mask grid, nm. */
 void epe_couple(epe_layer *layer, double grid);
 
 /* Parameters of epe_steer, which updates layer->wanted (steer.c). */
@@ -155,8 +159,8 @@ typedef struct epe_steering {
 } epe_steering;
 void epe_steer(epe_layer *layer, const epe_steering *by);
 
-/* Return, with the shifts `shift` (NULL: as drawn), the position of fragment i
-   along its axis (epe_line), or its begin or end along the edge. */
+/* Return the position of fragment i along its axis (epe_line), or of its begin
+   or end along the edge, in the mask of `shift`; NULL: as drawn. */
 static inline int32_t epe_line(const epe_fragment *p, const int32_t *shift,
                                uint32_t i) {
   int32_t at = p[i].axis == EDA_X ? p[i].from.x : p[i].from.y;

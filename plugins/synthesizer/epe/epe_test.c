@@ -9,7 +9,8 @@
 
 /* ---- solved ---- */
 
-/* Mean shift of three fragments, 2 nm per nm. */
+/* Return the mean shift of three fragments, with 2 nm of contour per nm of
+   shift. */
 static double coupled(const trial *t, size_t i) {
   return 8 + 2 *
                  (t->shift[fragment_before(t, i)] + t->shift[i] +
@@ -52,7 +53,8 @@ static void test_corners(void) {
   trial_clear(&t);
 }
 
-/* A line that does not print must grow, a merged line must shrink. */
+/* Return the error of a line that does not print and must grow, or of a merged
+   line that must shrink. */
 static double hidden(const trial *t, size_t i) {
   return t->shift[i] < 10   ? (double)NAN
          : t->shift[i] > 25 ? (double)NAN

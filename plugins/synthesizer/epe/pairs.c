@@ -44,10 +44,10 @@ static double end_reach(const epe_layer *l, uint32_t i) {
   return l->fragments[i].corner ? l->rules->max_shift : 0;
 }
 
-/* Add the pair if its distance may become smaller than the limit. The outside
-   of fragment i is towards larger coordinates, of fragment j towards smaller.
-   If j is at larger coordinates than i, a space is between them, else the
-   inside of the mask. */
+/* Add the pair of fragments i and j if their distance may become smaller than
+   the limit. The outside of fragment i is towards larger coordinates, that of
+   fragment j towards smaller coordinates. If j is at larger coordinates than i,
+   a space is between them, otherwise the inside of the mask. */
 static void pair_consider(finder *f, uint32_t i, uint32_t j) {
   epe_layer *l = f->layer;
   const epe_fragment *p = l->fragments;
@@ -167,8 +167,8 @@ static void fragment_keep_drawn(epe_layer *l, uint32_t i) {
   }
 }
 
-/* Reduce the shifts of both fragments by `missing` in sum, in proportion to
-   their shifts. */
+/* Reduce the shifts of both fragments so that their distance grows by
+   `missing`. Each reduction is proportional to the shift of the fragment. */
 static void pair_separate(epe_layer *l, const int32_t *shift,
                           const epe_pair *pair, double missing) {
   int sign =
@@ -225,9 +225,10 @@ static void pair_check(void *data, size_t k) {
   l->broken[k] = (uint8_t)too_near(l, s->shift, &l->pairs[k]);
 }
 
-/* If edge e is shorter than min_edge (or than drawn, if the drawn length is
-   smaller) or reversed, reduce the shifts of the edges before and after.
-   `hard`: 1: keep all three as drawn. Return 1 if edge e was too short. */
+/* If edge e is reversed or shorter than min_edge, reduce the shifts of the
+   edges before and after it. If edge e is drawn shorter than min_edge, the
+   drawn length is the limit. `hard`: 1: keep all three edges as drawn. Return 1
+   if edge e was too short. */
 static int edge_lengthen(epe_layer *l, const int32_t *shift, size_t e,
                          int hard) {
   const epe_fragment *p = l->fragments;
@@ -246,7 +247,7 @@ static int edge_lengthen(epe_layer *l, const int32_t *shift, size_t e,
   }
   double from = epe_max(0, sign * (begin - drawn_begin));
   double to = epe_max(0, sign * (drawn_end - end));
-  /* Reduce in proportion to the shifts. */
+  /* Each edge is moved back in proportion to its shift. */
   double part = missing / (from + to);
   fragment_move_back(l, shift, p[first].previous, (int32_t)ceil(from * part));
   fragment_move_back(l, shift, p[last].next, (int32_t)ceil(to * part));

@@ -68,7 +68,8 @@ static int has_pair(const epe_layer *l, uint32_t a, uint32_t b, int inside) {
   return 0;
 }
 
-/* All pairs that may become closer than the rule and than drawn are found. */
+/* All pairs are found whose distance may become smaller than the rule and than
+   the drawn distance. */
 static void test_all(void) {
   int near[2] = {0};
   for (int n = 0; n < 12; n++) {
@@ -134,9 +135,9 @@ static uint32_t middle_of(const epe_layer *l, uint32_t polygon, int axis,
   g_assert_not_reached();
 }
 
-/* The shift of each fragment is reduced by its part of the missing distance,
-   rounded up. Two lines 60 apart have a min_space of 52; a line 50 wide has a
-   min_width of 46. */
+/* The shift of each fragment is reduced by its share of the missing distance,
+   rounded up. One case has two lines 60 apart with min_space 52, the other a
+   line 50 wide with min_width 46. */
 static void test_direction(void) {
   static const struct {
     int32_t by[2], left[2];
@@ -154,7 +155,8 @@ static void test_direction(void) {
       epe_layer l;
       make_fragments(&l, boxes, 2, &drawn);
       uint32_t a = middle_of(&l, 0, axis, 1), b = middle_of(&l, 1, axis, -1);
-      if (drawn.points[0].x + drawn.points[0].y > 20) /* the other one first */
+      if (drawn.points[0].x + drawn.points[0].y > 20) /* so that the other
+                                                         polygon comes first */
         a = middle_of(&l, 1, axis, 1), b = middle_of(&l, 0, axis, -1);
       g_autofree int32_t *shift = g_new0(int32_t, l.count);
       for (size_t i = 0; i < l.count; i++) l.low[i] = -SHIFT, l.high[i] = SHIFT;

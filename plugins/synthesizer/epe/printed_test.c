@@ -53,7 +53,7 @@ static void clear_print(printed *p) {
 static void test_line(void) {
   printed p = print_line("iterations: 20");
   const eda_mask *result = p.mask[0];
-  /* Printed width along the line, and the printed line ends. */
+  /* Measure the printed width along the line, and the printed line ends. */
   for (double y = 60; y < 1940; y += 47) {
     const eda_field *f = &result->print[EDA_POLY];
     double low = eda_field_edge(f, EDA_X, 0, y, 40);
@@ -125,13 +125,13 @@ static void test_dropped(void) {
       }
     g_assert_cmpuint(m->shapes[EDA_POLY].count, ==, 1 + (size_t)there);
     g_assert_cmpfloat(there + dropped, ==, 4);
-    /* Those at the line ends are too short to print. */
+    /* The scatter bars at the line ends are too short to print. */
     g_assert_cmpfloat(dropped, ==, wide ? 2 : 0);
     clear_print(&p);
   }
 }
 
-/* A layer after active is dissected like poly, but not if only active is
+/* A layer after active is dissected like poly, unless only active is
    corrected. */
 static void test_further_layer(void) {
   static char *names[] = {"poly", "active", "metal1"};

@@ -85,10 +85,10 @@ static int run_is_convex(const epe_fragment *p, const epe_fragment *next) {
   return (p->sign * next->sign > 0) == (p->axis == EDA_X);
 }
 
-/* Return 1 if the inside of the mask is on the run's side of its end (side 0:
+/* Return 1 if the inside of the mask is beside the run at its end `side` (0:
    begin, 1: end): the run is shifted further outwards than the adjacent run, or
-   the corner is convex. Such ends on both sides bound a mask width; the
-   opposite on both sides bounds a space. */
+   the corner is convex. If both ends are such ends, the run bounds a mask
+   width; if neither is, the run bounds a space. */
 static int run_is_bounded_inside(const epe_layer *l, const epe_run *runs,
                                  const epe_run *r, int side) {
   const epe_fragment *p = l->fragments;
@@ -127,8 +127,8 @@ static int32_t run_join(epe_run *runs, int32_t k) {
   return k;
 }
 
-/* Compute the shifts of an edge into l->settled. `shift` determines the
-   positions of its corners. */
+/* Compute the shifts of an edge into l->settled. `shift`: present shifts, which
+   determine the positions of the corners. */
 static void edge_settle(epe_layer *l, size_t e, const int32_t *shift) {
   int32_t jog = l->rules->min_jog > 1 ? l->rules->min_jog - 1 : 0;
   epe_run *runs = l->runs + l->edge[e];
@@ -150,7 +150,7 @@ static void edge_settle(epe_layer *l, size_t e, const int32_t *shift) {
       l->settled[i] = runs[k].shift;
 }
 
-/* Find the runs of an edge in `shift`. */
+/* Find the runs of an edge in the mask of `shift`. */
 static void runs_find(const epe_layer *l, size_t e, const int32_t *shift,
                       epe_run *runs) {
   int32_t n = 0;
@@ -203,8 +203,8 @@ static void edge_check(void *data, size_t e) {
   if (edge_has_short(r->layer, e, r->shift)) *state |= EPE_SHORT;
 }
 
-/* Settle the marked edges. `whole`: 1: from now on, edges with a run that is
-   too short have one shift. Return the number of edges with such a run. */
+/* Settle the marked edges. `whole`: 1: an edge with a run that is too short has
+   one shift from now on. Return the number of edges with such a run. */
 static size_t edges_settle(epe_layer *l, int32_t *shift, int whole) {
   round_state r = {l, shift};
   size_t found = 0;

@@ -92,9 +92,9 @@ static void sites_measure_gains(epe_layer *l) {
 
 /* ---- changes of shifts ---- */
 
-/* Compute the changes x of shifts that correct `errors` into work[PUSH], by
-   conjugate gradients on (J'J + stiffness) x = -J' errors, with J = gain *
-   coupling. */
+/* Compute the changes x of shifts that correct `errors`, and store x in
+   work[PUSH]. Conjugate gradients solve (J'J + stiffness) x = -J' errors, with
+   J = gain * coupling. */
 static void moves_solve(epe_layer *l, double stiffness, const double *errors) {
   double *x = l->work[PUSH], *r = l->work[RESIDUAL], *d = l->work[DIRECTION];
   double *image = l->work[IMAGE], *seen = l->work[SEEN];
@@ -120,8 +120,8 @@ static void moves_solve(epe_layer *l, double stiffness, const double *errors) {
   }
 }
 
-/* Return the next bound of a fragment's change of shift: smaller if the error
-   changed its sign (overshoot), else larger. */
+/* Return the next bound of the change of a fragment's shift. The bound shrinks
+   if the error changed its sign (overshoot), and grows otherwise. */
 static double fragment_next_step(const epe_layer *l, uint32_t i, double most) {
   double e = l->error[i], before = l->before[i];
   double step = epe_min(l->step[i], most);
@@ -145,8 +145,8 @@ void epe_steer(epe_layer *l, const epe_steering *by) {
   for (uint32_t i = 0; i < l->count; i++) {
     double move =
         epe_within(by->damping * l->work[PUSH][i], -l->step[i], l->step[i]);
-    /* Start near the present shift, so that changes that the mask rules did not
-       permit do not accumulate. */
+    /* Start near the present shift, so that changes that the mask rules forbid
+       do not accumulate. */
     double from =
         epe_within(l->wanted[i], l->shift[i] - slack, l->shift[i] + slack);
     l->wanted[i] = from + move;

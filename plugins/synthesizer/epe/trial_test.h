@@ -11,7 +11,7 @@
 
 /* ---- shapes ---- */
 
-enum { LAYERS = 2 }; /* poly and active; active has no shapes */
+enum { LAYERS = 2 }; /* poly and active; active is empty */
 
 typedef struct shapes {
   eda_gates gates;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tuned constants of synthesizer.epe, with unit and source. Values without a
    source were chosen on the SRAM cell, NAND2_X1 and c432 with fragments of 20
-   nm. tuning.md lists the effect of half and twice each value. EPE and the
-   number of shots change by several percent with any value, because the
+   nm. tuning.md lists the effect of half and twice each value. Any change of a
+   value changes EPE and the number of shots by several percent, because the
    iteration with the smallest Ion deviation is kept. */
 #pragma once
 
@@ -24,10 +24,12 @@ static const struct {
     /* Largest error whose sign is not significant, grid steps. */
     .ignored = 1,
 
-    /* Smallest bound of a fragment's change of shift, grid steps. */
+    /* Smallest value of the bound on the change of a fragment's shift, grid
+       steps. */
     .least_step = 0.5,
 
-    /* Factor of the bound per iteration while the error keeps its sign. */
+    /* Factor by which this bound grows per iteration while the error keeps its
+       sign. */
     .growth = 1.2,
 
     /* Assumed error of a site without an edge nearby, as a multiple of `step`.

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the process window in the feedback: the contour at another dose is
    another level of the same level set. At another dose, features may merge or
-   vanish. The contour is then far from the drawn edge, and the edge is shifted
-   even if the nominal contour is on the drawn edge. */
+   vanish. The contour at that dose is then far from the drawn edge, so the
+   feedback shifts the edge even if the nominal contour is correct. */
 #include "epe.h"
 
 #include <math.h>

@@ -9,8 +9,8 @@ static const opc_host *host;
 
 /* ---- other doses ---- */
 
-/* A line 200 nm wide and a printed image of which only the level set is
-   used. */
+/* A line 200 nm wide and a printed image, of which the test uses the level set
+   only. */
 typedef struct seen {
   opc_module *module;
   eda_gates *gates;
@@ -76,8 +76,8 @@ static void window_end(seen *s) {
   g_free(s->epe);
 }
 
-/* Return the mean shift of the sides around the middle of the line; rounding to
-   the grid is spread along the sides. */
+/* Return the mean outward shift of the sides near the middle of the line. The
+   sides are averaged because rounding to the grid is spread along them. */
 static double move_of_middle(const seen *s) {
   double sum = 0, n = 0;
   for (size_t i = 0; i < s->count; i++) {
@@ -88,8 +88,9 @@ static double move_of_middle(const seen *s) {
   return sum / n;
 }
 
-/* The nominal edge is right, but other doses print 33.3 nm outside and 19.2 nm
-   inside: c + 0.6 c^2 = -+0.35 with c the cosine. */
+/* The nominal contour is on the drawn edge, but the contours at the two other
+   doses are 33.3 nm outside and 19.2 nm inside: c + 0.6 c^2 = -+0.35 with c the
+   cosine. */
 static void test_window(void) {
   const eda_box line = {0, 0, 200, 2000};
   g_autoptr(shapes) s = make_shapes(&line, 1);
@@ -106,14 +107,14 @@ static void test_window(void) {
     seen n = window_see(p, &s->gates);
     window_expose(&n, 0.1, 0);
     window_check(&n, 0);
-    if (!weight) window_check(&n, 2); /* else all errors are solved */
+    if (!weight) window_check(&n, 2); /* otherwise all errors are already 0 */
     double expected = weight ? -mean * weight / 2 : -2;
     g_assert_cmpfloat(fabs(move_of_middle(&n) - expected), <, 0.3);
     window_end(&n);
   }
 }
 
-/* A feature that printed too large and then vanished must grow; a feature that
+/* A feature that vanishes after it printed too large must grow; a feature that
    then covers everything must shrink. */
 static void test_gone(void) {
   const eda_box line = {0, 0, 200, 2000};

@@ -30,13 +30,14 @@ static const struct {
 
 typedef struct transistor {
   double eff; /* effective deviation at the last measurement, % */
-  /* CONTINUE: figures of the best state. */
+  /* In the variant CONTINUE: figures of the best state. */
   double best_eff, best_di, best_da;
   int32_t best_l, best_w;
   int8_t moved;  /* last correction; -1: none */
-  uint8_t tried; /* CONTINUE: set of failed corrections of the best state */
+  uint8_t tried; /* in the variant CONTINUE: bit set of the corrections of the
+                    best state that failed */
   uint8_t ended; /* 1: no further correction */
-  uint8_t why;   /* verdict if ended outside the limits */
+  uint8_t why;   /* verdict if the transistor ended outside the limits */
   uint8_t verdict;
   int64_t retries;
 } transistor;
@@ -56,7 +57,7 @@ typedef struct ic {
 typedef struct measured {
   double di, da;        /* Ion and area deviation, %; lines 7 and 8 */
   double eff;           /* effective deviation, %; line 9 */
-  double length, width; /* drawn, in grid steps */
+  double length, width; /* drawn sizes, grid steps */
   int32_t most;         /* largest |bias| of L, grid steps */
   int32_t most_w;       /* largest |bias| of W, grid steps */
   uint32_t veto;
@@ -92,7 +93,9 @@ static measured transistor_measure(const ic *c, const eda_feedback *f,
                 .most = (int32_t)(c->max_bias / g->grid),
                 .veto = f->vetoes[i]};
   m.eff = c->alpha_i * fabs(m.di) + c->alpha_a * fabs(m.da);
-  if (f->flags[i] & EDA_PRINT_OPEN) m.eff = INFINITY; /* no measured figures */
+  if (f->flags[i] & EDA_PRINT_OPEN)
+    m.eff = INFINITY; /* an open transistor has
+                         no figures */
   m.most_w = (int32_t)fmin(m.most, m.width / 2);
   return m;
 }
@@ -178,8 +181,8 @@ static int next_correction(const ic *c, const transistor *t, measured m) {
   return best;
 }
 
-/* Perform the variant CONTINUE: return to the best state and try another
-   correction. */
+/* Perform one iteration of the variant CONTINUE: if Eff did not fall, return to
+   the best state and try another correction. */
 static void transistor_retry(const ic *c, transistor *t, const measured *m,
                              int32_t *l, int32_t *w) {
   int vetoed = t->moved >= 0 && m->veto & corrections[t->moved].veto;
@@ -207,8 +210,8 @@ static void transistor_retry(const ic *c, transistor *t, const measured *m,
 }
 
 /* Correct all transistors. The correction is finished if neither a mask (line
-   21) nor a measured figure changes; line ends of the regulator may change
-   figures. */
+   21) nor a measured figure changes; line ends that the regulator moves may
+     change the figures. */
 static int ic_update(void *self, const eda_feedback *f, eda_moves *moves,
                      int *done, opc_error *error) {
   ic *c = self;
@@ -257,13 +260,13 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(ic, area_limit, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "%", .preset = "0.5 %", .former = "max_da",
                   .summary = "largest allowed |gate area deviation|; a "
-                             "transistor within both limits keeps the mask"),
+                             "transistor within both limits is not changed"),
     OPC_PARAMETER(
         ic, stall, .type = OPC_CHOICE, .preset = "freeze",
         .choices = "freeze|continue",
-        .summary = "action if the effective deviation does not fall: restore "
-                   "the transistor and end the correction (as in the thesis), "
-                   "or try other corrections from the best state"),
+        .summary = "action if the effective deviation does not fall: revert "
+                   "the step and end the correction of the transistor (as in "
+                   "the thesis), or try other corrections from the best state"),
     OPC_PARAMETER(
         ic, retries, .type = OPC_INT, .preset = "8",
         .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 0, .max = 100000,

@@ -10,17 +10,18 @@
 #include <string.h>
 
 /* One transistor with deviations of Ion and area that are linear in l and w,
-   plus `bend`, % of area for each step of W beyond two. */
+   plus `bend` % of area for each step of W beyond the second. */
 typedef struct model {
   double i, i_by_l, i_by_w;
   double a, a_by_l, a_by_w;
   double bend;
   uint32_t veto; /* vetoes from |l| + |w| = veto_from on */
   int32_t veto_from;
-  int32_t prints_from; /* smallest l that prints; 0: all print */
-  uint32_t lot;        /* not 0: seed of random deviations up to 2 % and of
-                          random vetoes */
-  double width;        /* 0: 200 */
+  int32_t prints_from; /* smallest l at which the line prints; 0: it prints at
+                          every l */
+  uint32_t lot;        /* seed of random deviations up to 2 % and of random
+                          vetoes; 0: none */
+  double width;        /* drawn width; 0: 200 */
   int32_t l, w;
   GString *trace; /* "l,w " after each update */
   int updates;
@@ -158,15 +159,15 @@ static void test_continue(void) {
   model_run(m, &t);
   g_assert_true(
       g_str_has_prefix(t.trace->str, "1,0 2,0 3,0 2,1 2,-1 3,-1 2,0 2,-2 "));
-  /* The transistor ends at its best state. */
+  /* The transistor ends at the best state. */
   g_assert_cmpfloat(fabs(model_di(&t)) + fabs(model_da(&t)), <, 1.6 + 1e-9);
   g_assert_cmpstr(model_verdict(m), ==, "stalled");
   g_string_free(t.trace, TRUE);
 }
 
 /* A single correction fails where a combination succeeds: I +3, A +3, so W
-   decreases; after two steps the area rises. The variant `freeze` then ends;
-   `continue` tries L and ends with a smaller deviation. */
+   decreases; after two steps of W the area deviation rises. The variant
+   `freeze` then ends; `continue` tries L and ends with a smaller deviation. */
 static void test_continue_is_better(void) {
   const model t = {.i = 3,
                    .i_by_l = -1,
@@ -201,7 +202,8 @@ static void test_retries(void) {
               "stalled");
 }
 
-/* No move within both limits; a move outside of either. */
+/* Nothing moves within both limits; L or W moves if either limit is
+   exceeded. */
 static void test_limits(void) {
   const model t = {.i = 0.9, .i_by_l = -0.5, .a = -1.9, .a_by_l = 0.5};
   check_moves("{ ion_limit: 1 %, area_limit: 2 % }", t, "0,0 ", "within limit");
@@ -209,8 +211,8 @@ static void test_limits(void) {
               "within limit");
 }
 
-/* Weights: -1.5 % of area is accepted for 1 % of current only if the current
-   has the larger weight. I +2, A -1: longer. */
+/* Weights: an area deviation 1.5 % larger is accepted for 1 % of current only
+   if the current has the larger weight. I +2, A -1: longer. */
 static void test_weights(void) {
   const model t = {.i = 2, .i_by_l = -1, .a = -0.2, .a_by_l = 1.5};
   check_moves("{ ion_limit: 0.1 % }", t, "1,0 0,0 0,0 0,0 ", "stalled");
@@ -232,7 +234,7 @@ static void test_veto(void) {
   check_moves("{}", t, "1,0 2,0 1,0 1,0 1,0 ", "bridging");
 }
 
-/* The other three corrections likewise. */
+/* The other three corrections are vetoed likewise. */
 static void test_other_vetoes(void) {
   const model shorter = {.i = -9, .i_by_l = -1, .a = 9, .a_by_l = 1};
   const model wider = {.i = -9, .i_by_w = 1, .a = -9, .a_by_w = 1};
@@ -253,9 +255,9 @@ static void test_other_vetoes(void) {
 }
 
 /* The matrix chooses longer, which increases the deviation. Among the other
-   corrections, one step of W of 200 changes both by 0.5 %: wider results in 9.5
-   alpha_i + 8.5 alpha_a, narrower in 8.5 alpha_i + 9.5 alpha_a; the larger
-   weight decides. */
+   corrections, one step of W (drawn: 200) changes both deviations by 0.5 %:
+   wider results in 9.5 alpha_i + 8.5 alpha_a, narrower in 8.5 alpha_i + 9.5
+   alpha_a; the larger weight decides. */
 static void test_promises(void) {
   static const char *const parameters[] = {
       "{ stall: continue, alpha_i: 3, alpha_a: 2 }",
@@ -279,13 +281,13 @@ static void test_bias_limit(void) {
   const model narrower = {.i = 9, .i_by_w = 1, .a = 9, .a_by_w = 1};
   check_moves("{ max_bias: 2 nm }", narrower, "0,-1 0,-2 0,-2 0,-2 ",
               "bias limit");
-  /* W moves by at most half of W. */
+  /* W moves by at most half of the drawn width. */
   const model slim = {.i = 9, .i_by_w = 1, .a = 9, .a_by_w = 1, .width = 7};
   check_moves("{}", slim, "0,-1 0,-2 0,-3 0,-3 0,-3 ", "bias limit");
 }
 
-/* An open line has no figures; its length grows until the line prints, in both
-   variants. */
+/* An open line has no figures; the length of the gate grows until the line
+   prints, in both variants. */
 static void test_open(void) {
   model t = {.i = 12, .i_by_l = -3, .a = -12, .a_by_l = 3, .prints_from = 3};
   check_moves("{ stall: freeze }", t, "1,0 2,0 3,0 4,0 4,0 4,0 ",
@@ -351,9 +353,9 @@ static double deviation_after(const model *t, int direction) {
          alpha[1] * fabs(model_da(t) + l + w);
 }
 
-/* Compute the variant with `retries`: a failed step is followed by other steps
-   from the best mask. A correction counts as forbidden where it was vetoed when
-   last tried. Return the verdict. */
+/* Compute the variant `continue` with `retries`: a failed step is followed by
+   another step from the best mask. A correction counts as forbidden if the last
+   attempt at this correction was vetoed. Return the verdict. */
 static const char *run_continue(model *t, int retries) {
   model best = *t;
   int tried = 0, vetoed = 0;
@@ -391,7 +393,8 @@ static const char *run_continue(model *t, int retries) {
   return is_within(t) ? "within limit" : vetoed ? "bridging" : "stalled";
 }
 
-/* Random deviations and vetoes: final masks and verdicts of both variants. */
+/* Compare final masks and verdicts of both variants for random deviations and
+   vetoes. */
 static void test_by_lot(void) {
   int words = 0, moved = 0;
   for (uint32_t lot = 1; lot <= 400; lot++)
@@ -419,7 +422,8 @@ static void test_by_lot(void) {
       moved += abs(t.l) + abs(t.w) > 3;
       g_string_free(t.trace, TRUE);
     }
-  /* within, bridging, bias limit, stalled */
+  /* The verdicts within limit, bridging, bias limit and stalled all
+     occurred. */
   g_assert_cmpint(words, ==, 1 << 'i' % 32 | 1 << 'r' % 32 | 1 << 't' % 32);
   g_assert_cmpint(moved, >, 100);
 }

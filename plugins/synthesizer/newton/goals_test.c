@@ -16,7 +16,7 @@ static opc_module *with_goals(const char *text, char **path) {
   return with_bytes(text, -1, path);
 }
 
-/* Check the message of `begin` for an invalid table. */
+/* Check that `begin` rejects the table with `message`. */
 static void refused_goals(opc_module *bad, const char *message) {
   char *cell[] = {"cell"}, *none[] = {""};
   uint32_t number[] = {1};
@@ -30,8 +30,8 @@ static void refused_goals(opc_module *bad, const char *message) {
   g_assert_nonnull(strstr(error.message, message));
 }
 
-/* One transistor with a target of 2 % more Ion, one with a tolerance of 5 %,
-   one excluded. */
+/* One transistor has a target of 2 % more Ion, one a larger tolerance, and one
+   is excluded. */
 static void test_goals(void) {
   g_autofree char *path =
       g_build_filename(g_get_tmp_dir(), "newton-wishes.csv", NULL);
@@ -78,9 +78,9 @@ static void test_goals(void) {
   g_remove(path);
 }
 
-/* A length 4 nm larger: less Ion, Ioff and area by the law of the model, and W
-   as drawn. A goal for one figure keeps the other targets at the drawn
-   values. */
+/* A goal of a length 4 nm larger: the law of the model reduces Ion, Ioff and
+   area, and W stays as drawn. A goal for one figure keeps the other targets at
+   the drawn values. */
 static void test_longer(void) {
   g_autoptr(opc_module) m = make_any("{ target: balanced }");
   model t = {.n = 4, .gain_l = 2.6, .gain_w = 1.05, .off_l = {3, 2, 7, -4}};
@@ -101,7 +101,7 @@ static void test_longer(void) {
   g_assert_cmpfloat_with_epsilon(t.ioff[3], -20, 5);
 }
 
-/* Values of the table replace those of the gates; empty cells keep them. */
+/* Values in the table replace those of the gates; empty cells do not. */
 static void test_goals_of_gates(void) {
   static eda_goal all[] = {{1, {1.02, 1, 1}, 1},
                            {0, {1, 1, 1}, 1},

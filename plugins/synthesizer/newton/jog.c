@@ -8,9 +8,9 @@
 
 #include "tuning.h"
 
-/* Return the distance beyond the end of the gate at which the effect of the
-   edges is half. `extension` of the poly past the active, `blur`: grid steps.
-   */
+/* Return the distance beyond the end of the gate, grid steps, at which the
+   effect of the edges has fallen to half. `extension`: length of the poly past
+   the active, grid steps; `blur`: grid steps. */
 static double extension_effect(double extension, double blur) {
   return extension < tuned.short_end * blur ? blur * tuned.past_end
                                             : -blur / tuned.before_end;
@@ -79,7 +79,7 @@ double length_share(const sides *s, double to) {
   return sum;
 }
 
-/* Return the edge that makes the next step: HIGH (1) if l is even. */
+/* Return the edge that moves by the next step of L: HIGH (1) if l is even. */
 static int edge_next(int32_t l) { return !(l & 1); }
 
 double length_value(const sides *s, length x) {

@@ -37,6 +37,7 @@ double length_share(const sides *s, double to);
 /* Return the position of the jog, grid steps from the gate's box; NAN: none. */
 double length_jog(const sides *s, length x);
 
-/* Return the change of L nearest to `value`, grid steps. The jog is at least
-   `least` steps away from both ends of its edge. */
+/* Return the change of L, with or without a jog, whose effect is nearest to
+   `value`, grid steps. The jog is at least `least` steps away from both ends of
+   its edge. */
 length length_nearest(const sides *s, double value, int32_t least);

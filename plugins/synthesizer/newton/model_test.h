@@ -15,12 +15,13 @@ typedef struct model {
   size_t n;
   double gain_l, gain_w, coupling;
   double spread;                   /* relative spread of the gain of L */
-  double off_l[MOST], off_w[MOST]; /* printed minus drawn, for the drawn mask */
+  double off_l[MOST], off_w[MOST]; /* printed minus drawn size with the drawn
+                                      mask */
   double thin[MOST]; /* effect of a short line end on the logarithm of the
-                        current, beyond that of the mean length, */
-  int32_t grow;      /* which vanishes once the regulator has moved the line end
-                        so far */
-  int knows_ends;    /* 1: the loop announces line ends before the next
+                        current, in addition to that of the mean length */
+  int32_t grow;      /* displacement of the line end by the regulator beyond
+                        which `thin` has no effect */
+  int knows_ends;    /* 1: moves of line ends are known before the next
                         simulation */
   uint32_t veto[MOST];
   int32_t l[MOST], w[MOST], jog[MOST], aside[MOST];
@@ -31,27 +32,30 @@ typedef struct model {
   int prints;
   int late;     /* iteration after which transistor 3 has 2 % less current */
   int undone;   /* iteration until which the regulator undoes moves of L */
-  double steep; /* additional fall of log Ion per nm of shorter length, */
-  double table; /* down to the printed length where the device table ends; */
-  double open;  /* shorter printed lengths are open and have no figures; */
-  double merge; /* longer ones are merged; 0: never */
-  int32_t active_limit; /* largest move of an end of the active; beyond it the
-                           active merges; 0: never */
+  double steep; /* increase of |d log Ion / dL| per nm of length below
+                   nominal */
+  double table; /* printed length at the end of the device table */
+  double open;  /* printed length below which the line is open and has no
+                   figures */
+  double merge; /* printed length above which the line merges; 0: never */
+  int32_t active_limit; /* largest outward move of an end of the active; beyond
+                           it the active merges; 0: no limit */
   int ends_open;        /* 1: also open while a line end is too short */
   int regulated; /* 1: vetoes an open line from becoming shorter or narrower */
   uint32_t flags[MOST];
-  double bracket[MOST][2]; /* lengths that were open and too long */
+  double bracket[MOST][2]; /* largest length that was open, and smallest length
+                              that was too long */
   int held;                /* number of moves limited by a bracket of two
                               ends */
-  int guarded;             /* 1: check these moves */
+  int guarded;             /* 1: check that moves stay within the bracket */
 } model;
 
 static const double length = 65;
 
 static eda_goal *goals; /* goals of the gates; NULL: none */
 
-/* Return the effect of a side up to x: sides extend 60 nm past the gate, and
-   the effect per nm rises over 200 nm around the ends of the gate. */
+/* Return the effect of the part of a side up to x. Sides extend 60 nm past the
+   gate, and the effect per nm rises over 200 nm around the ends of the gate. */
 static inline double ramp_integral(double x) {
   return x < -100 ? 0 : x < 100 ? (x + 100) * (x + 100) / 400 : x;
 }
@@ -99,8 +103,9 @@ static inline void model_print(model *t, const int32_t *end,
   t->prints++;
 }
 
-/* Check the bracket: transistors do not couple, so after an open length and one
-   that is too long, the next lengths are between them. */
+/* Check the bracket: once one length was open and another too long, the next
+   lengths must be between them, because transistors of the model do not
+   couple. */
 static inline void hold_bracket(model *t) {
   for (size_t i = 0; i < t->n; i++) {
     double l = t->l[i] + model_part(t->jog[i]);
@@ -218,7 +223,7 @@ static inline opc_module *make_any(const char *parameters) {
   return m;
 }
 
-/* Return a module whose target uses weights. */
+/* Return a module of synthesizer.newton whose target is defined by weights. */
 static inline opc_module *model_make(const char *parameters) {
   g_autofree char *all = g_strconcat("{ target: plain, ", parameters + 1, NULL);
   return make_any(all);

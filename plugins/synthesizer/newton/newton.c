@@ -71,7 +71,8 @@ static int newton_begin(void *self, const eda_feedback *f, opc_error *error) {
 
 /* ---- work: the next mask of one transistor ---- */
 
-/* Return the allowed part of a step; set *why if a veto or `most` limits it. */
+/* Return the allowed part of a step dx from x. Set *why if a veto or the bound
+   `most` limits the step. */
 static double move_bounded(double x, double dx, double most, uint32_t veto_up,
                            uint32_t veto_down, uint8_t *why) {
   if ((dx > 0 && veto_up) || (dx < 0 && veto_down)) {
@@ -91,9 +92,10 @@ static void errors_after(const transistor *s, double l, double w,
               s->response.by[k][BY_W] * (w - s->x[BY_W]);
 }
 
-/* Return `b` or a mask with a length nearer to l, with a jog at or beside the
-   end of a part. A jog near such an end moves the end and so changes the
-   length: mask_with_jog may find no jog with the wanted length. */
+/* Return mask `b`, or a mask with a jog at or beside the end of a part if its
+   length is nearer to l. A jog near the end of a part moves that end and so
+   changes the length. mask_with_jog may therefore find no jog with the wanted
+   length. */
 static biases mask_clear_jog(const newton *t, size_t i, double l, int32_t least,
                              biases b) {
   const parts *p = &t->parts[i];
@@ -117,8 +119,8 @@ static biases mask_clear_jog(const newton *t, size_t i, double l, int32_t least,
   return found;
 }
 
-/* Return the mask with a jog whose length is nearest to l. Iterates, as the jog
-   moves ends of parts and so changes the length. */
+/* Return the mask with the jog whose length is nearest to l. The search
+   iterates, because a jog moves ends of parts and so changes the length. */
 static biases mask_with_jog(const newton *t, const eda_gates *g, size_t i,
                             double l, int32_t w) {
   int32_t least = (int32_t)ceil(t->min_jog / g->grid);
@@ -133,8 +135,9 @@ static biases mask_with_jog(const newton *t, const eda_gates *g, size_t i,
   return mask_clear_jog(t, i, l, least, b);
 }
 
-/* Return `best`, or a mask with another W (by up to two steps) and jog if its
-   predicted size of errors is less, as for narrow gates. */
+/* Return `best`, or a mask whose W differs by up to two steps and whose jog is
+   adapted, if its predicted errors are smaller. Narrow gates need this choice,
+   because a jog changes their length in large steps. */
 static biases mask_with_width(const newton *t, const eda_feedback *f, size_t i,
                               biases best) {
   static const int only_l[MOVES] = {1, 0};
@@ -169,8 +172,9 @@ static biases mask_with_width(const newton *t, const eda_feedback *f, size_t i,
   return found;
 }
 
-/* Return the mask on the grid for a wanted move of L and W. L corrects the
-   rounding of W; a jog or W corrects the rounding of L, as `fine` selects. */
+/* Return the mask on the grid for the wanted moves dx of L and W. L compensates
+   for the rounding of W. A jog or W compensates for the rounding of L, as the
+   parameter `fine` selects. */
 static biases mask_on_grid(const newton *t, const eda_feedback *f, size_t i,
                            const double dx[MOVES], double enough, int cut) {
   static const int only_l[MOVES] = {1, 0}, only_w[MOVES] = {0, 1};
@@ -206,7 +210,8 @@ static double mask_expected_size(const newton *t, size_t i, biases next) {
   return hypot(errors_size(t, rest), errors_size(t, wrong));
 }
 
-/* Compute the move of W that corrects Ioff, and add its effect on L to dx. */
+/* Compute the move of W that corrects Ioff, and add to dx the move of L that
+   compensates for its effect on Ion. */
 static void move_with_leakage(const newton *t, const eda_feedback *f, size_t i,
                               uint32_t veto, double dx[MOVES]) {
   static const int both[MOVES] = {1, 1}, only_l[MOVES] = {1, 0};
@@ -241,14 +246,16 @@ static double width_bounded(const newton *t, const eda_feedback *f, size_t i,
 }
 
 /* Return the mask after Newton's step of one transistor. W moves if the weights
-   require W or L cannot correct Ion. Causes: L is vetoed or at the bound, or
-   repairs of the regulator undo moves of L, so that the trust radius is below a
-   grid step. A W that cannot move either releases L. */
+   require moves of W, or if L cannot correct Ion. L cannot correct Ion if L is
+   vetoed or at its bound, or if the regulator undoes moves of L, so that the
+   trust radius is below a grid step. If W cannot move either, L moves
+   nevertheless. */
 static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
                           double enough, uint8_t *why, int *cut) {
   static const int only_w[MOVES] = {0, 1};
   const transistor *s = &t->state[i];
-  /* Vetoes belong to `now`; after a failure the step starts at `valid`. */
+  /* Vetoes apply to mask `now`; after a failure the step starts at `valid`,
+     whose vetoes are unknown. */
   uint32_t veto = s->failed ? 0 : f->vetoes[i];
   int free[MOVES], repaired;
   double dx[MOVES], by_w[MOVES], wanted;
@@ -281,8 +288,9 @@ static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
   return next;
 }
 
-/* Return the next mask of a transistor that never printed: longer if the line
-   is open, shorter if merged. A known bracket is bisected. */
+/* Return the next mask of a transistor that has never printed: L increases if
+   the line is open and decreases if the line is merged. A known bracket is
+   bisected. */
 static biases mask_search(const newton *t, const eda_feedback *f, size_t i) {
   const transistor *s = &t->state[i];
   double grid = f->gates->grid, step = ceil(tuned.open_step / grid);
@@ -294,7 +302,8 @@ static biases mask_search(const newton *t, const eda_feedback *f, size_t i) {
   return (biases){(int32_t)lround(l), s->now.w, 0, s->now.shape, s->now.aside};
 }
 
-/* Choose a shape for uniform length. Return whether the shape changes. */
+/* Choose moves of edge parts that make the printed length uniform. Return
+   whether the shape changes. */
 static int edges_flatten(newton *t, const eda_feedback *f, size_t i) {
   transistor *s = &t->state[i];
   if (!newton_reshapes(t, f)) return 0;
@@ -353,16 +362,16 @@ static int is_within(const newton *t, size_t i) {
 
 /* ---- work: all transistors ---- */
 
-/* Return whether the error has increased since the transistor's last move. */
+/* Return whether the error has increased since the transistor last moved. */
 static int has_drifted(const newton *t, const transistor *s, double weight) {
   return s->size * weight > newton_ion_limit(t) * tuned.odd_limit &&
          s->settled_size < tuned.worthwhile * s->size;
 }
 
-/* Return whether to stop: all transistors are within the limit, none has
-   drifted, and the mean error is small or has decreased by less than the factor
-   `worthwhile`. Once stopped, resume only if the mean increases by that factor.
-   */
+/* Return whether to stop: all transistors are within the limit, the error of
+   none has increased, and the mean error is small or decreased by less than the
+   factor `worthwhile`. After a stop, resume only if the mean error increases by
+   that factor. */
 static int newton_is_done(newton *t, int64_t print) {
   double worst = 0, mean = 0, before = print ? t->mean : INFINITY;
   int drifted = 0;
@@ -382,7 +391,8 @@ static int newton_is_done(newton *t, int64_t print) {
                    (mean <= newton_ion_limit(t) / tuned.mean_part || unchanged);
 }
 
-/* End the correction of Ioff: from `best` on, only L moves and corrects Ion. */
+/* End the correction of Ioff: return to `best`; from then on, only L moves, to
+   correct Ion. */
 static void newton_settle(newton *t) {
   t->settled = 1;
   t->weight[IOFF] = 0;
@@ -391,11 +401,12 @@ static void newton_settle(newton *t) {
     s->revert = !biases_equal(s->now, s->best);
     s->best_size = s->revert ? INFINITY : errors_size(t, s->error);
     s->size = s->settled_size = errors_size(t, s->error);
-    s->trust.error[SHORT] = s->trust.error[LONG] = 0; /* of another W */
+    s->trust.error[SHORT] = s->trust.error[LONG] = 0; /* these errors belong to
+                                                         another W */
   }
 }
 
-/* Arguments of the threads, for all transistors. */
+/* Arguments of transistor_decide, common to all transistors. */
 typedef struct decision {
   newton *t;
   const eda_feedback *f;
@@ -415,8 +426,8 @@ static void transistor_decide(void *data, size_t i) {
   }
   biases next = mask_propose(t, j->f, i);
   if (k > last) {
-    /* The regulator still moves shapes: transistors that it disturbs may
-       follow, for some iterations. */
+    /* The regulator may still move shapes, so transistors that these shapes
+       disturb may move for some more iterations. */
     double most = tuned.patience * (double)last;
     if (!(s->disturbed || s->failed) || (double)k > most) next = s->now;
   }
@@ -426,7 +437,7 @@ static void transistor_decide(void *data, size_t i) {
     s->next = k == last ? s->best : next;
 }
 
-/* Report transistors beyond the limit whose next move was not made, once. */
+/* Log once the number of transistors beyond the limit that could still move. */
 static void newton_log_unconverged(newton *t, int64_t print) {
   size_t open = 0;
   if (t->reported || print < t->iterations) return;
@@ -496,15 +507,15 @@ static double newton_target(const void *self, size_t gate) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    OPC_PARAMETER(newton, target, .type = OPC_CHOICE, .preset = "balanced",
-                  .choices = "plain|balanced|full",
-                  .summary =
-                      "corrected figures. plain: by `weight`, Ion by default; "
-                      "balanced: Ion and Ioff; full: these and the gate area"),
+    OPC_PARAMETER(
+        newton, target, .type = OPC_CHOICE, .preset = "balanced",
+        .choices = "plain|balanced|full",
+        .summary = "corrected quantities. plain: by `weight`, by default Ion; "
+                   "balanced: Ion and Ioff; full: Ion, Ioff and the gate area"),
     OPC_PARAMETER(
         newton, price, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "%",
-        .summary = "reduction of the gate area deviation required for each jog "
-                   "that makes the length uniform; default: by target"),
+        .summary = "least reduction of the gate area deviation, %, that "
+                   "justifies a jog for a uniform length; default: by target"),
     OPC_PARAMETER_NAMED(
         "weight.ion", newton, weight[ION], .type = OPC_REAL,
         .flags = OPC_AT_LEAST,
@@ -523,28 +534,30 @@ static const opc_parameter parameters[] = {
         newton, tolerance, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
         .preset = "0.05 %",
         .summary =
-            "largest weighted deviation at which a transistor keeps the mask"),
+            "largest weighted deviation at which a transistor is not changed"),
     OPC_PARAMETER(newton, ion_limit, .type = OPC_REAL, .flags = OPC_AT_LEAST,
                   .unit = "%", .follows = "ion_limit of the step",
                   .former = "limit",
                   .summary = "largest allowed |Ion deviation|; the synthesizer "
                              "stops when every transistor is within the limit"),
-    OPC_PARAMETER(newton, fine, .type = OPC_CHOICE, .preset = "jog",
-                  .choices = "jog|width|none",
-                  .summary = "correction of the rounding error of L: a jog in "
-                             "the poly, the width of the active, none"),
+    OPC_PARAMETER(
+        newton, fine, .type = OPC_CHOICE, .preset = "jog",
+        .choices = "jog|width|none",
+        .summary = "correction of the rounding error of L: by a jog in the "
+                   "poly, by the width of the active, or none"),
     OPC_PARAMETER(
         newton, min_jog, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
         .follows = "0.155 lambda/NA",
         .summary = "least distance of a jog from both ends of the edge"),
     OPC_PARAMETER(newton, iterations, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "16", .min = 1,
-                  .max = 1000, .summary = "largest number of moves"),
-    OPC_PARAMETER(
-        newton, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "nm",
-        .follows = "0.311 lambda/NA",
-        .summary =
-            "largest correction of L or W; W moves by at most half of W"),
+                  .max = 1000,
+                  .summary = "number of moves after which all transistors "
+                             "return to their best mask"),
+    OPC_PARAMETER(newton, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE,
+                  .unit = "nm", .follows = "0.311 lambda/NA",
+                  .summary = "largest correction of L or W; W also changes by "
+                             "at most half of the drawn W"),
     OPC_PARAMETER_NAMED("gain.l", newton, gain[BY_L], .type = OPC_REAL,
                         .flags = OPC_ABOVE, .preset = "2.6",
                         .summary = "initial estimate of d printed L / d mask L "

@@ -4,7 +4,8 @@
    currents are exponential in L. */
 #include "model_test.h"
 
-/* With a wrong initial gain, all converge within 4 moves. */
+/* All transistors converge within 4 moves, although the initial gain is
+   wrong. */
 static void test_ion(void) {
   g_autoptr(opc_module) m =
       model_make("{ tolerance: 0.05 %, ion_limit: 0 %, gain: { l: 2 } }");
@@ -13,7 +14,7 @@ static void test_ion(void) {
   g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 0.05);
   g_assert_cmpint(t.prints, <=, 6);
   for (size_t i = 0; i < t.n; i++) g_assert_cmpint(t.w[i], ==, 0);
-  /* Each transistor has a different gain. */
+  /* Here each transistor has a different gain. */
   model u = made_up(MOST);
   u.spread = 0.5;
   model_run(m, &u);
@@ -21,10 +22,11 @@ static void test_ion(void) {
   g_assert_cmpint(u.prints, <=, 8);
 }
 
-/* Near the resolution limit: nonlinear currents, the end of the device table,
-   open and merged lines. The initial gain is right, up to 6 times too small, or
-   up to 10 times too large. Many transistors that learn together, and a single
-   one. The solution is known: the printed length equals the drawn one. */
+/* Transistors near the resolution limit: nonlinear currents, the end of the
+   device table, open and merged lines. The initial gain is exact, up to 6 times
+   too small, or up to 10 times too large. The cases have one transistor, or
+   many that share a common factor. The solution is known: the printed length
+   equals the drawn length. */
 static void test_near_resolution(void) {
   static const double guess[] = {2.6, 5.2}, true_gain[] = {0.5, 2, 8};
   int held = 0;
@@ -51,7 +53,8 @@ static void test_near_resolution(void) {
         held += t.held;
         for (size_t i = 0; i < n; i++) {
           g_assert_cmpint(t.flags[i], ==, 0);
-          g_assert_cmpint(abs(t.w[i]), <=, 1); /* L alone corrects the error */
+          g_assert_cmpint(abs(t.w[i]), <=, 1); /* L corrects the error without
+                                                  W */
         }
         g_assert_cmpfloat(model_worst(t.ion, n), <=, 0.5);
         g_test_message("guess %g, gain %g, %zu: %d prints", guess[k],
@@ -76,8 +79,8 @@ static void test_unprinted_as_drawn(void) {
   g_assert_cmpfloat(model_worst(t.ion, 2), <=, 0.5);
 }
 
-/* A line that was open only because of its short line end keeps its length
-   after the line end has grown. */
+/* A line that is open only because of a short line end keeps its length once
+   the line end has been extended. */
 static void test_open_by_line_end(void) {
   g_autoptr(opc_module) m = model_make("{}");
   model t = {.n = 2,
@@ -91,8 +94,8 @@ static void test_open_by_line_end(void) {
   g_assert_cmpfloat(model_worst(t.ion, 2), <=, 0.5);
 }
 
-/* With a target that only an open line would reach, the result is a line that
-   prints with an error no larger than as drawn. */
+/* If only an open line would reach the target, the result is a line that prints
+   with an error no larger than as drawn. */
 static void test_out_of_reach(void) {
   static eda_goal goal[] = {{1, {3, 1, 1}, 1}};
   g_autoptr(opc_module) m = model_make("{}");
@@ -102,12 +105,12 @@ static void test_out_of_reach(void) {
   model_run(m, &t);
   goals = NULL;
   g_assert_cmpint(t.flags[0], ==, 0);
-  g_assert_cmpfloat(t.ion[0], >, 20); /* drawn: -20 */
+  g_assert_cmpfloat(t.ion[0], >, 20); /* the drawn mask has -20 */
   g_assert_cmpfloat(s->target(m->self, 0), ==, 3);
 }
 
-/* A transistor disturbed by a regulator shape or a neighbour after convergence
-   is corrected again. */
+/* A transistor that a shape of the regulator or a neighbour disturbs after
+   convergence is corrected again. */
 static void test_disturbed(void) {
   g_autoptr(opc_module) m = model_make("{ ion_limit: 3 % }");
   model t = made_up(MOST);
@@ -131,7 +134,7 @@ static void test_coarse(void) {
   g_assert_cmpint(moved, >, 0);
 }
 
-/* No iterations beyond those that the limit requires. */
+/* There are no iterations beyond those that the limit requires. */
 static void test_limit(void) {
   g_autoptr(opc_module) m = model_make("{ ion_limit: 2 % }");
   model t = made_up(MOST);
@@ -143,8 +146,8 @@ static void test_limit(void) {
   g_assert_cmpint(t.prints, <, u.prints);
 }
 
-/* Line ends that move with the first step and cost a tenth of the current are
-   predicted. */
+/* The effect of line ends that move together with the first step and change the
+   current by a tenth is predicted. */
 static void test_line_ends(void) {
   g_autoptr(opc_module) m = model_make("{}");
   model t = made_up(MOST);
@@ -155,15 +158,15 @@ static void test_line_ends(void) {
   model_run(m, &t);
   g_assert_cmpfloat(t.second, <, 1.5);
   g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 0.5);
-  model_run(m, &u); /* without announcement by the loop: the error is the whole
-                 effect */
+  model_run(m, &u); /* if the moves are not known in advance, the error is the
+                       whole effect */
   g_assert_cmpfloat(u.second, >, 10);
   g_assert_cmpfloat(model_worst(u.ion, u.n), <=, 0.5);
   g_assert_cmpint(t.prints, <, u.prints);
 }
 
-/* Without a jog, a step of L is 2.6 nm, 5.7 % of Ion; half of a step
-   remains. */
+/* Without a jog, a step of L is 2.6 nm and changes Ion by 5.7 %; up to half of
+   a step remains as an error. */
 static void test_rounding(void) {
   g_autoptr(opc_module) m = model_make("{ fine: none }");
   model t = made_up(MOST);
@@ -173,7 +176,8 @@ static void test_rounding(void) {
   g_autoptr(opc_module) width = model_make("{ fine: width, ion_limit: 0 % }");
   t = made_up(MOST);
   model_run(width, &t);
-  /* Half of 1.05 / 400; a fifth less does not justify a move. */
+  /* The bound is half a step of 1.05 / 400, plus a fifth, because a smaller
+     error does not justify a move. */
   g_assert_cmpfloat(model_worst(t.ion, t.n), <, 0.131 / 0.8 + 0.01);
   for (size_t i = 0; i < t.n; i++) g_assert_cmpint(t.jog[i], ==, 0);
 }
@@ -183,7 +187,7 @@ static void test_area(void) {
       model_make("{ weight: { area: 1 }, ion_limit: 0 % }");
   model t = made_up(MOST);
   model_run(m, &t);
-  /* Both share the rounding error of W. */
+  /* L and W share the rounding error of W. */
   g_assert_cmpfloat(model_worst(t.ion, t.n), <=, 0.23);
   g_assert_cmpfloat(model_worst(t.area, t.n), <=, 0.23);
 }
@@ -197,8 +201,8 @@ static void test_ioff(void) {
   g_assert_cmpfloat(model_worst(t.ioff, t.n), <=, 2);
 }
 
-/* Leakage that L alone cannot correct, as from a ripple: L and W restore both
-   currents to the drawn values. With Ion alone the leakage remains. */
+/* L and W restore both currents although L alone cannot correct the leakage,
+   for example that of a ripple. With Ion alone the leakage remains. */
 static void test_balanced(void) {
   g_autoptr(opc_module) both = make_any("{ target: balanced }");
   g_autoptr(opc_module) plain = model_make("{}");
@@ -212,8 +216,8 @@ static void test_balanced(void) {
   g_assert_cmpint(t.prints, <=, 12);
 }
 
-/* Neighbours couple and responses to L differ, so that the step of W for Ioff
-   often increases the error of Ion. W continues nevertheless. */
+/* Neighbours couple and the responses to L differ, so a step of W for Ioff
+   often increases the error of Ion. W continues to move nevertheless. */
 static void test_width_goes_on(void) {
   static const double leaky[] = {1.2, 1.6}, spread[] = {0, 0.6};
   g_autoptr(opc_module) both = make_any("{ target: balanced }");
@@ -229,8 +233,8 @@ static void test_width_goes_on(void) {
   }
 }
 
-/* W for Ioff makes the active merge with its neighbours: W reverts to a free
-   width, and L corrects Ion there. */
+/* Moves of W for Ioff make the active merge with its neighbours: W reverts to a
+   width that prints separately, and L corrects Ion. */
 static void test_active_merges(void) {
   g_autoptr(opc_module) m = make_any("{}");
   model t = made_up(40);
@@ -285,9 +289,9 @@ static void test_veto(void) {
   g_assert_cmpstr(s->verdict(m->self, 0), ==, "bridging");
 }
 
-/* The regulator undoes moves of L for some iterations. W reaches its bound of
-   10 nm, where a large error remains. L corrects this error as soon as L has an
-   effect again. */
+/* The regulator undoes moves of L for some iterations. W moves instead and
+   reaches its bound of 10 nm with a large error. L corrects this error as soon
+   as L has an effect again. */
 static void test_bound_releases_length(void) {
   g_autoptr(opc_module) m = model_make("{ max_bias: 10 nm, iterations: 30 }");
   model t = {.n = 1, .gain_l = 2.6, .gain_w = 1.05, .undone = 9};

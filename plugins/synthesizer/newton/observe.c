@@ -55,7 +55,7 @@ void moves_free(const newton *t, int free[MOVES]) {
 
 /* ---- work: one transistor ---- */
 
-/* Differences between two iterations. */
+/* Changes of a transistor between two iterations. */
 typedef struct change {
   double dx[MOVES], de[ERRORS];
 } change;
@@ -66,15 +66,15 @@ static int ends_moved(const eda_gates *g, const int32_t *a, const int32_t *b) {
          abs(a[1] - b[1]) * g->grid > tuned.still;
 }
 
-/* Return the least significant change of log Ion. */
+/* Return the smallest change of log Ion that is significant. */
 static double least_visible(const newton *t, const transistor *s) {
   return newton_ion_limit(t) * tuned.odd_limit +
          tuned.odd_surprise * s->uncertainty;
 }
 
-/* Return whether log Ion changed by more than the moves can cause at the
-   largest response, so that a regulator shape or a neighbour caused the change.
-   */
+/* Return whether log Ion changed by more than the transistor's own moves can
+   cause at the largest allowed response, so that a regulator shape or a
+   neighbour caused the change. */
 static int is_foreign(const newton *t, const transistor *s, const change *c) {
   double most = least_visible(t, s);
   for (int m = 0; m < MOVES; m++)
@@ -82,8 +82,9 @@ static int is_foreign(const newton *t, const transistor *s, const change *c) {
   return fabs(c->de[ION]) > most;
 }
 
-/* Update the best mask. After a change by other causes, the present mask
-   becomes the best mask, because `best_size` is no longer valid. */
+/* Update the best mask. If other causes than the transistor's own moves changed
+   the error, the present mask becomes the best mask, because `best_size` is no
+   longer valid. */
 static void keep_best(transistor *s, uint32_t flags, int first) {
   if (!first && !s->disturbed && s->size >= s->best_size &&
       !biases_equal(s->now, s->best))
@@ -93,7 +94,8 @@ static void keep_best(transistor *s, uint32_t flags, int first) {
   s->outside = (flags & EDA_PRINT_OUTSIDE) != 0;
 }
 
-/* Return the error of Ion that would require the same move of L by itself. */
+/* Return the pull: the error of Ion alone that would require the same move of L
+   as all errors together. */
 static double pull_of(const newton *t, const transistor *s) {
   int free[MOVES];
   double dx[MOVES];
@@ -102,7 +104,7 @@ static double pull_of(const newton *t, const transistor *s) {
   return -dx[BY_L] * s->response.by[ION][BY_L];
 }
 
-/* Return d pull / d W; 0 if the weights require moves of W. */
+/* Return d pull / d W; 0 if the weights let W move, too. */
 static double pull_by_w(const newton *t, const transistor *s) {
   int free[MOVES];
   moves_free(t, free);
@@ -115,15 +117,15 @@ static void transistor_init(transistor *s, biases drawn) {
   s->point = (point){NAN, NAN};
 }
 
-/* Compute the outward moves of the ends of the width, grid steps. */
+/* Compute the outward moves of both ends of the width, grid steps. */
 static void ends_of(biases b, int32_t at[2]) {
-  at[0] = (b.w >> 1) - b.aside; /* as eda_moves splits w */
+  at[0] = (b.w >> 1) - b.aside; /* the same division of w as in eda_moves */
   at[1] = b.w - at[0];
 }
 
 /* Limit the ends of the width after a wider mask did not print: each end may
-   move half as far. Causes are active that merged with a neighbour or extends
-   beyond the line end. Return whether an end moved more than L. */
+   move half as far. The active merged with a neighbour or extends beyond the
+   line end. `by_l`: move of L. Return whether an end moved further than L. */
 static int width_limit_ends(transistor *s, double by_l) {
   int32_t good[2], now[2];
   int wider = 0;
@@ -139,8 +141,8 @@ static int width_limit_ends(transistor *s, double by_l) {
   return wider;
 }
 
-/* Process a mask that does not print: reduce the limit of the move that caused
-   the failure, and make L an end of the bracket. */
+/* Update the state after a mask that does not print: reduce the limit of the
+   move that caused the failure, or make L an end of the bracket. */
 static void transistor_fail(transistor *s, const double x[MOVES],
                             uint32_t flags) {
   double dx = x[BY_L] - s->x[BY_L];
@@ -152,7 +154,8 @@ static void transistor_fail(transistor *s, const double x[MOVES],
   trust_see(&s->trust, x[BY_L], open ? INFINITY : -INFINITY);
 }
 
-/* Update the trust region. `foreseen`: predicted pull. */
+/* Update the trust region. `foreseen`: pull that was predicted before the
+   simulation. */
 static void trust_update(const newton *t, transistor *s, const change *c,
                          double foreseen) {
   double before = s->pull, due = foreseen - before;
@@ -162,13 +165,14 @@ static void trust_update(const newton *t, transistor *s, const change *c,
   s->trust.slow = 0;
   trust_drift(&s->trust, pull_by_w(t, s) * c->dx[BY_W], drift);
   int by_l =
-      !corrects_ioff(t) || c->dx[BY_W] == 0; /* not after moves of W for Ioff */
+      !corrects_ioff(t) || c->dx[BY_W] == 0; /* results of moves of W for Ioff
+                                                do not judge the radius */
   if (by_l && !s->disturbed && before * s->pull > 0 &&
       fabs(before) - fabs(foreseen) > least_visible(t, s))
     trust_judge(&s->trust, c->dx[BY_L], fabs(before), fabs(foreseen),
                 fabs(s->pull));
   trust_see(&s->trust, s->x[BY_L], s->pull);
-  /* W has moved because L had no effect: try L again. */
+  /* W moved because L had no effect: allow one step of L again. */
   if (!corrects_ioff(t) && c->dx[BY_W] != 0)
     s->trust.radius = fmax(s->trust.radius, 1);
 }
@@ -178,7 +182,8 @@ double width_limit(const transistor *s) {
 }
 
 int32_t width_aside(const transistor *s, int32_t w) {
-  int32_t low = w >> 1, high = w - low; /* as eda_moves splits w */
+  int32_t low = w >> 1, high = w - low; /* the same division of w as in
+                                           eda_moves */
   int32_t up = low - s->outward_limit[0], down = high - s->outward_limit[1];
   return up > 0 ? up : down > 0 ? -down : 0;
 }
@@ -203,11 +208,16 @@ static void bound_ends(const newton *t, transistor *s, const eda_feedback *f,
     thin = leaks ? width_thin_end(f, i, high, at[high], range,
                                   tuned.thin_end[0] / leak)
                  : 0;
-    if (!thin || thin == range) continue; /* the whole range is thin */
+    if (!thin || thin == range)
+      continue; /* skip an end without a thin strip,
+                   and one whose whole range is
+                   thin */
     *to = at[high] - thin;
     s->given += thin;
   }
-  if (s->given) s->error[IOFF] = 0; /* predicted */
+  if (s->given)
+    s->error[IOFF] = 0; /* the narrowing is expected to correct the
+                           leakage */
 }
 
 /* Update the state of a transistor from the simulation of mask `now`. `common`:
@@ -242,7 +252,8 @@ static void transistor_update(const newton *t, transistor *s,
     s->response = s->first;
   else if (printed && moved)
     response_learn(&s->response, &s->first, c.dx, c.de, s->uncertainty);
-  /* A move may have an effect that the response does not predict. */
+  /* A move may have an effect that the response does not predict, so a
+     transistor that moved is not disturbed. */
   s->disturbed |= (uint8_t)(foreign && !moved);
   s->failed = 0;
   s->valid = now;
@@ -262,8 +273,9 @@ static void transistor_update(const newton *t, transistor *s,
 
 /* ---- work: all transistors ---- */
 
-/* Compute the initial responses, and the errors expected after the next moves
-   of line ends, which the regulator makes in the same iteration. */
+/* Compute the initial responses and the errors. The errors are those expected
+   after the next moves of line ends, which the regulator makes in the same
+   iteration. */
 static void newton_start(newton *t, const eda_feedback *f) {
   curve *curves = t->curve;
   curves_measure(f, curves);
@@ -287,8 +299,8 @@ static void newton_start(newton *t, const eda_feedback *f) {
   }
 }
 
-/* Sums of a linear fit for one type: change of log Ion predicted by the
-   response to L (x) and observed (y) after the first moves. */
+/* Sums of a linear fit for one transistor type. x: change of log Ion that the
+   response to L predicts for the first moves; y: observed change. */
 typedef struct line {
   double n, x, y, xx, xy;
 } line;
@@ -336,7 +348,8 @@ static void responses_learn_common(newton *t, const eda_feedback *f,
     t->state[i].first = t->state[i].response;
 }
 
-/* Return the simulated mask, which the loop may have changed. */
+/* Return the simulated mask of a transistor, which the loop may have changed
+   since the request. */
 static biases mask_simulated(const newton *t, const eda_moves *moves,
                              size_t i) {
   biases b = {moves->l[i], moves->w[i], moves->jog[i], t->state[i].next.shape,
@@ -344,7 +357,7 @@ static biases mask_simulated(const newton *t, const eda_moves *moves,
   return b;
 }
 
-/* Arguments of the threads, for all transistors. */
+/* Arguments of the update, common to all transistors. */
 typedef struct update_all {
   newton *t;
   const eda_feedback *f;
@@ -384,7 +397,8 @@ void newton_reshape(newton *t, size_t i, const shape *to) {
   trust_drift(&s->trust, s->pull - before, s->uncertainty);
 }
 
-/* The uncertainty has parts due to neighbours and line ends. */
+/* The uncertainty is the sum of parts caused by neighbours, line ends and
+   shapes. */
 void newton_predict(newton *t, const eda_feedback *f) {
   double sum = 0;
   for (size_t i = 0; i < t->count; i++) {

@@ -15,7 +15,8 @@ typedef struct biases {
   int32_t aside; /* see eda_moves.aside */
 } biases;
 
-/* Targets: by `weight`; Ion and Ioff; Ion, Ioff and the gate area. */
+/* Targets. PLAIN: by `weight`; BALANCED: Ion and Ioff; FULL: Ion, Ioff and the
+   gate area. */
 enum { PLAIN, BALANCED, FULL, TARGETS };
 
 /* State of a transistor. An error is log(printed / target); errors_size
@@ -27,22 +28,24 @@ typedef struct transistor {
   biases valid;         /* last mask that printed */
   double x[MOVES];      /* moves of `valid`, grid steps; a jog is a fraction of
                            a step */
-  point point;          /* printed point of the device curve */
-  double error[ERRORS]; /* errors; in the first iteration as expected once the
-                           line ends have moved */
+  point point;          /* measured point of the device curve */
+  double error[ERRORS]; /* errors of `valid`; in the first iteration those
+                           expected after the moves of line ends */
   double size;          /* size of the errors; INFINITY if no mask has
                            printed */
   ripple ripple;        /* ripple of the length along W */
-  double pull;          /* error of Ion alone that requires the same move of L
-                           as `error` */
+  double pull;          /* pull: error of Ion alone that requires the same move
+                           of L as `error` */
   biases next;          /* requested mask */
   biases best;          /* mask with the least size so far */
   double best_size;
-  double settled_size;      /* least size since the transistor's last move */
-  response response, first; /* present and initial response */
+  double settled_size;      /* least size of the errors since the transistor
+                               last moved */
+  response response, first; /* current and initial response */
   trust trust;              /* trust region of the next L */
   int32_t print_limit[2];   /* largest outward moves, grid steps, of the LOW and
-                               HIGH end of the width at which the gate prints */
+                               HIGH ends of the width at which the gate still
+                               prints */
   int32_t outward_limit[2]; /* print_limit, also limited to the region where the
                                printed length does not leak */
   int32_t given;            /* grid steps by which bound_ends narrows W */
@@ -65,20 +68,21 @@ typedef struct newton {
   double price;          /* reduction of the area deviation that justifies a
                             jog, % */
   const eda_gates *gates;
-  parts *parts;                /* parts of each transistor */
-  curve curve[2];              /* slopes of wide transistors, [type] */
+  parts *parts;                /* [count], division of each transistor along
+                                  W */
+  curve curve[2];              /* [type], slopes of wide transistors */
   double tolerance, ion_limit; /* % */
   double gain[MOVES];
   double max_bias, min_jog; /* nm */
   int fine;
   int64_t iterations;
   const char *goals_path;
-  double mean;    /* mean size in the last iteration; at rest, the least mean
-                     since then */
+  double mean;    /* mean size in the last iteration; while `rest` is 1, the
+                     least mean since the stop */
   int settled;    /* 1: shapes and W are final; L alone corrects Ion */
   int reported;   /* 1: missing convergence was logged */
   int rest;       /* 1: newton_is_done was true in the last iteration */
-  eda_goal *goal; /* goal of each transistor */
+  eda_goal *goal; /* [count], goal of each transistor */
   transistor *state;
   sides *sides;
   size_t count;
@@ -89,27 +93,29 @@ int biases_equal(biases a, biases b);
 /* Return `ion_limit` as an error. */
 double newton_ion_limit(const newton *t);
 
-/* Return the error below which the method may stop: `ion_limit` less a reserve
+/* Return the error below which the method may stop: `ion_limit` minus a reserve
    for moves of neighbours and the accurate simulation. */
 double newton_stop(const newton *t);
 
 /* Return the size of errors: the root of the weighted sum of squares. */
 double errors_size(const newton *t, const double error[ERRORS]);
 
-/* Return the parts of a mask of transistor i, clear of the jog. */
+/* Return the parts of mask `b` of transistor i, with no end closer than the
+   minimum to the jog. */
 parts mask_parts(const newton *t, size_t i, biases b);
 
-/* Return the effective change of L of a mask of transistor i, grid steps; a jog
-   counts as a fraction of a step. */
+/* Return the effective change of L by mask `b` of transistor i, grid steps; a
+   jog counts as a fraction of a step. */
 double mask_length(const newton *t, size_t i, biases b);
 
 /* Return whether W moves to correct Ioff. */
 int corrects_ioff(const newton *t);
 
-/* Return whether parts of edges move in this iteration. */
+/* Return whether parts of edges may move in this iteration. */
 int newton_reshapes(const newton *t, const eda_feedback *f);
 
-/* Set free[m] to 1 for each move m that the weights require, else 0. */
+/* Set free[m] to 1 for each move m that the weights require, and to 0 for other
+   moves. */
 void moves_free(const newton *t, int free[MOVES]);
 
 /* Return the largest W whose ends are within their limits, grid steps. */
@@ -122,7 +128,8 @@ int32_t width_aside(const transistor *s, int32_t w);
 /* Update the state of all transistors from the simulated mask of `moves`. */
 void newton_observe(newton *t, const eda_feedback *f, const eda_moves *moves);
 
-/* Predict the errors of transistor i after a change to shape `to`. */
+/* Set the errors of transistor i to those predicted after a change to shape
+   `to`. */
 void newton_reshape(newton *t, size_t i, const shape *to);
 
 /* Compute the uncertainty of the next log Ion of each transistor. */

@@ -8,7 +8,7 @@
 
 #include "tuning.h"
 
-/* Flags of printed gates whose figures are meaningless. */
+/* Flags of printed gates whose figures are not valid. */
 static const uint32_t no_figures =
     EDA_PRINT_OPEN | EDA_PRINT_NO_ACTIVE | EDA_PRINT_MERGED | EDA_PRINT_ISLAND;
 
@@ -63,8 +63,9 @@ int errors_of(const eda_feedback *f, size_t i, const double target[ERRORS],
 }
 
 /* A short line end makes the length short over a small part of the width. That
-   part carries much of the current but changes the mean length little. The
-   repaired gate is expected to have the current of the mean length. */
+   part carries much of the current but changes the mean length little. After
+   the repair of the line end, the gate is expected to have the current of a
+   gate of uniform mean length. */
 void errors_with_line_ends(const eda_feedback *f, size_t i,
                            const curve *of_type, double error[ERRORS]) {
   const eda_performance *p = f->printed;

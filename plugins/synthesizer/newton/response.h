@@ -18,11 +18,12 @@ enum { BY_L, BY_W, MOVES };
 /* by: d error / d move, per grid step. doubt: relative uncertainty of `by`. */
 typedef struct response {
   double by[ERRORS][MOVES], doubt[MOVES];
-  double slope; /* d log(Ion / W) / dL, 1/nm, used in `by` */
+  double slope; /* d log(Ion / W) / dL, 1/nm, the device slope that `by`
+                   contains */
 } response;
 
-/* Slopes of wide transistors of a type, 1/nm: d log(I / W) / dL, d log(area /
-   W) / dL. */
+/* Slopes of wide transistors of one type, 1/nm: d log(I / W) / dL for both
+   currents, and d log(area / W) / dL. */
 typedef struct curve {
   double slope[ERRORS];
 } curve;
@@ -36,7 +37,8 @@ typedef struct point {
 point point_of(const eda_performance *p, size_t i);
 
 /* Compute the slopes of both types from the currents and equivalent lengths of
-   printed transistors; tuned.slope / L if none of the type printed. */
+   printed transistors. If no transistor of a type printed, the slopes are
+   tuned.slope / L. */
 void curves_measure(const eda_feedback *f, curve out[2]);
 
 /* Compute the errors of gate i. Return 0 and set the errors to 0 if the gate
@@ -44,8 +46,8 @@ void curves_measure(const eda_feedback *f, curve out[2]);
 int errors_of(const eda_feedback *f, size_t i, const double target[ERRORS],
               double out[ERRORS]);
 
-/* Change errors of gate i to those expected once short line ends are repaired.
- */
+/* Change the errors of gate i to those expected after short line ends are
+   repaired. */
 void errors_with_line_ends(const eda_feedback *f, size_t i,
                            const curve *of_type, double error[ERRORS]);
 
@@ -54,15 +56,16 @@ void errors_with_line_ends(const eda_feedback *f, size_t i,
 response response_first(const eda_gates *gates, size_t i, const curve *of_type,
                         const double gain[MOVES]);
 
-/* Scale a response and the initial response to the slope between two points of
-   the device curve. Nothing changes if the points are less than `least` nm
-   apart or the slope is not negative. */
+/* Scale a response and the initial response to the slope of the device curve
+   between two points. Do nothing if the points are less than `least` nm apart
+   or the slope is not negative. */
 void response_bend(response *r, response *first, point from, point to,
                    double least);
 
 /* Update a response by Broyden's formula, weighted by the uncertainties. dx:
-   move; de: change of the errors, of which log Ion has an uncertainty of
-   `noise` from other causes. tuned.trust limits the ratio to `first`. */
+   move; de: change of the errors. Other causes change log Ion by `noise`
+   (standard deviation). tuned.trust limits the ratio of the response to
+   `first`. */
 void response_learn(response *r, const response *first, const double dx[MOVES],
                     const double de[ERRORS], double noise);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests responses of transistors with known laws, and their updates against the
-   same estimate in information form. */
+   same estimate computed from information matrices. */
 #include "response.c"
 
 #include <eda/devices.h>
@@ -103,7 +103,8 @@ static void test_errors(void) {
   assert_near(exp(e[ION]), p[0][7] / o[0][7] / 1.1);
   assert_near(exp(e[IOFF]), p[1][7] / o[1][7] / 0.8);
   assert_near(exp(e[AREA]), p[5][7] / o[5][7] / 0.95);
-  /* Difference between equivalent and mean lengths. */
+  /* The correction is proportional to the difference between mean and
+     equivalent lengths. */
   const curve c = {{-0.05, -0.39, 0}};
   memcpy(more, e, sizeof e);
   errors_with_line_ends(&d.feedback, 7, &c, more);
@@ -152,8 +153,8 @@ static void test_first(void) {
   for (int m = 0; m < MOVES; m++) assert_near(r.doubt[m], tuned.doubt[m]);
 }
 
-/* After any number of calls, the ratio of response and slope is that of the
-   start; nothing else changes. */
+/* After any number of calls, the ratio of response and slope is the initial
+   ratio; nothing else changes. */
 static void test_bend(void) {
   response first = {.by = {{-0.1, 0.02}, {-0.8, 0.02}, {0.02, 0.02}},
                     .slope = -0.05},
@@ -175,8 +176,9 @@ static void test_bend(void) {
   g_assert_cmpmem(&first, sizeof first, &first_before, sizeof first_before);
 }
 
-/* Compute the most likely response after a noisy measurement, from the sum of
-   both informations (Gauss and Markov). */
+/* Compute the most likely response after a noisy measurement, by adding the
+   information matrices of the previous estimate and of the measurement
+   (Gauss-Markov theorem). */
 static void most_likely_response(const response *r, const response *first,
                                  const double *dx, const double *de,
                                  double noise, response *out) {
@@ -230,7 +232,7 @@ static void test_learn(void) {
   }
   g_assert_cmpint(bound, >, 10);
   g_assert_cmpint(bound, <, 900);
-  /* Without a move nothing is learnt. */
+  /* Without a move the response does not change. */
   response r = first;
   const double none[MOVES] = {0, 0}, de[ERRORS] = {1, 1, 1};
   response_learn(&r, &first, none, de, 0);
@@ -247,7 +249,8 @@ static double left_over(const response *r, const double *e, const double *w,
   return sum;
 }
 
-/* No move nearby along the free directions is better. */
+/* No small change of the solution along the free moves reduces the sum of
+   squares. */
 static void test_solve(void) {
   for (int n = 0; n < 300; n++) {
     response r;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements parts, ripple and shapes. Real-valued moves of parts that minimize
-   the ripple follow by least squares from a linear model of the optical
-   smoothing; whole steps with few jogs by dynamic programming (Potts
-   functional). */
+/* Implements parts, ripple and shapes. Least squares with a linear model of the
+   optical smoothing yield the real-valued moves of parts that minimize the
+   ripple. Dynamic programming (Potts functional) then chooses whole steps with
+   few jogs. */
 #include "shape.h"
 
 #include <math.h>
@@ -21,7 +21,8 @@ parts parts_of(const eda_gates *g, size_t i, const sides *s) {
   int n = (int)fmin(floor(width / step), EDA_PARTS - 2), m = 0;
   parts p = {0};
   if (n < 1) return p;
-  int all = n < EDA_PARTS - 2; /* else the middle parts are wider */
+  int all = n < EDA_PARTS - 2; /* beyond EDA_PARTS - 2 parts, the middle parts
+                                  are wider */
   if (all) step = (double)width / n;
   if (low <= -least) p.edge[m++] = low;
   p.first = m;
@@ -89,8 +90,8 @@ static double sample_position(const parts *p, int j) {
   return edge[0] + part * (edge[1] - edge[0]);
 }
 
-/* Return printed minus drawn length at `from_middle`, nm along W. -INFINITY: no
-   poly prints there; NAN: no edge nearby. */
+/* Return printed minus drawn length, nm, at the position `from_middle` along W,
+   nm. -INFINITY: no poly prints at this position; NAN: no edge nearby. */
 static double length_off(const eda_feedback *f, size_t i, double from_middle) {
   const eda_gates *g = f->gates;
   eda_box b = g->box[i];
@@ -166,7 +167,8 @@ double ripple_excess(const ripple *r, double slope) {
   return log(sum / r->count);
 }
 
-/* A ripple r increases a current by slope^2 r^2 / 2; L and W compensate. */
+/* A ripple r increases a current by the fraction slope^2 r^2 / 2; changes of L
+   and W compensate for both currents. */
 double ripple_cost(double drawn, const curve *c) {
   double ion = -c->slope[ION], ioff = -c->slope[IOFF];
   return (ion + ioff) / 2 / drawn + ion * ioff / 2;
@@ -194,7 +196,7 @@ static void cholesky(int n, double a[EDA_PARTS][EDA_PARTS],
 }
 
 /* Compute the real-valued moves of parts that minimize the ripple, weighted by
-   leakage. Tikhonov's term limits moves that have little effect. */
+   leakage. A Tikhonov term limits moves that have little effect. */
 static void least_squares(const parts *p, const ripple *r, double leak,
                           double gain, double blur, double x[EDA_PARTS]) {
   double a[EDA_PARTS][EDA_PARTS] = {{0}}, row[EDA_PARTS];
@@ -216,7 +218,7 @@ static void least_squares(const parts *p, const ripple *r, double leak,
 enum { MOST = 12, VALUES = 2 * MOST + 1 };
 
 /* Compute the whole steps v[k] up to high[k] that minimize the sum of (x[k] -
-   v[k])^2 and of `jump` for each change of v. */
+   v[k])^2 plus `jump` for each position at which v changes. */
 static void potts_steps(int n, const double *x, const int *high, double jump,
                         int16_t *v) {
   double cost[EDA_PARTS][VALUES];
@@ -253,7 +255,7 @@ shape shape_flat(const parts *p, const ripple *now, const shape *from,
     x[k] += from->by[k];
     if (p->first <= k && k < p->last) sum += x[k];
   }
-  for (int k = 0; k < p->count; k++) x[k] -= sum / n; /* by L */
+  for (int k = 0; k < p->count; k++) x[k] -= sum / n; /* L moves by the mean */
   double nm = gain * tuned.local;
   potts_steps(p->count, x, high, price * n / (nm * nm), s.by);
   return s;

@@ -8,7 +8,8 @@
 #include "jog.h"
 #include "response.h"
 
-/* Additional mask length, grid steps, in each part of the width. */
+/* Moves of the parts of both poly edges: additional mask length in each part,
+   grid steps. */
 typedef struct shape {
   int16_t by[EDA_PARTS];
 } shape;
@@ -17,7 +18,7 @@ typedef struct shape {
    each part, from the LOW end on. */
 enum { SAMPLES = 3 };
 typedef struct ripple {
-  int count; /* number of positions; 0: unknown */
+  int count; /* number of valid positions; 0: unknown ripple */
   double off[SAMPLES * EDA_PARTS];
 } ripple;
 
@@ -26,7 +27,8 @@ typedef struct ripple {
    gate; one part before and one after them may be on the poly past the active.
    */
 typedef struct parts {
-  int count, first, last; /* count 0: the gate is too narrow */
+  int count, first, last; /* number of parts; 0: the gate is too narrow for
+                             parts */
   double edge[EDA_PARTS + 1];
   double share[EDA_PARTS + 1]; /* change of the effective length by a step of
                                   both poly edges up to edge[k] */
@@ -34,12 +36,13 @@ typedef struct parts {
 
 parts parts_of(const eda_gates *gates, size_t i, const sides *edges);
 
-/* Return the parts with ends moved to the position of a jog, or at least
-   `least` away from it. `at`: position, grid steps from the LOW end of the box;
-   NAN: no jog. */
+/* Return the parts with each end within `least` grid steps of a jog moved to
+   the jog or to the distance `least`. `at`: position of the jog, grid steps
+   from the LOW end of the box; NAN: no jog. */
 parts parts_beside(const parts *p, const sides *edges, double at, double least);
 
-/* Write a shape as eda_moves.part; neighbours of equal steps are merged. */
+/* Write a shape as eda_moves.part; adjacent parts with equal steps are
+   merged. */
 void shape_write(const parts *p, const shape *s, eda_part out[EDA_PARTS]);
 
 /* Return the change of the effective length by a shape, grid steps. */
@@ -54,14 +57,15 @@ ripple ripple_of(const eda_feedback *f, size_t i, const parts *p);
 ripple ripple_after(const parts *p, const ripple *now, const shape *from,
                     const shape *to, double gain, double blur);
 
-/* Return over how many grid steps inwards, at most `most`, printed minus drawn
-   length is below `least` (nm, negative). The count starts `from` steps outside
-   of the HIGH (`high`) or LOW end of the drawn width. */
+/* Return the width, grid steps, of the strip at an end of the width in which
+   printed minus drawn length is below `least` (nm, negative). The strip extends
+   inwards from `from` steps outside of the drawn end; `high`: 1: HIGH end, 0:
+   LOW end. The result is at most `most`. */
 int32_t width_thin_end(const eda_feedback *f, size_t i, int high, int32_t from,
                        int32_t most, double least);
 
-/* Return log(current / current without ripple) of a gate at the same mean
-   length. `slope`: d log I / d L, 1/nm. */
+/* Return log(current / current of a gate of uniform length with the same mean).
+   `slope`: d log I / d L, 1/nm. */
 double ripple_excess(const ripple *r, double slope);
 
 /* Return the relative increase of the gate area per nm^2 of mean square ripple
@@ -70,7 +74,7 @@ double ripple_cost(double drawn, const curve *of_type);
 
 /* Return the shape that minimizes the mean square ripple, nm^2, plus `price`,
    nm^2, for each jog. `leak`: d log Ioff / d L, 1/nm; parts that leak more have
-   a larger weight. If `blocked`, no part becomes longer. */
+   a larger weight. `blocked`: 1: no part becomes longer. */
 shape shape_flat(const parts *p, const ripple *now, const shape *from,
                  double leak, double gain, double blur, double price,
                  int blocked);

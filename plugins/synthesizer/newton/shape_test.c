@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests shapes that flatten ripples of known cause: a mask whose steps a
-   Gaussian smooths, summed over the width. */
+/* Tests shapes that flatten ripples of known cause: a Gaussian smooths the
+   steps of the mask. The expected values are sums over the width. */
 #include "shape.c"
 
 #include <glib.h>
@@ -58,7 +58,7 @@ static double ripple_rms(const ripple *r) {
   return sqrt(sum / r->count);
 }
 
-/* The expected effect of a step equals the sum over the width. */
+/* The computed effect of a step equals the sum over the width. */
 static void test_effect(void) {
   parts p = parts_here(WIDTH, &edges);
   shape none = {{0}}, s = {{0}};
@@ -111,7 +111,7 @@ static void test_beside(void) {
   }
 }
 
-/* Neighbouring parts of equal steps are one part of the edge; the outer ones
+/* Adjacent parts with equal steps become one part of the edge; the outer parts
    extend as far as the edge. */
 static void test_write(void) {
   parts p = parts_here(WIDTH, &edges);
@@ -125,7 +125,7 @@ static void test_write(void) {
   g_assert_cmpint(out[1].from, ==, 180);
   g_assert_cmpint(out[1].to, ==, 240);
   g_assert_cmpint(out[2].from, ==, out[2].to);
-  /* Any shape is written exactly, unit by unit. */
+  /* Any shape is written exactly; compare each grid step of the edge. */
   uint32_t state = 8;
   for (int n = 0; n < 50; n++) {
     for (int k = 0; k < p.count; k++) {
@@ -142,12 +142,13 @@ static void test_write(void) {
       g_assert_cmpint(found, ==, by != 0);
     }
   }
-  /* A step of all parts equals a length of one more. */
+  /* A step of all parts equals a step of L. */
   for (int k = 0; k < EDA_PARTS; k++) s.by[k] = 1;
   g_assert_cmpfloat(fabs(shape_value(&p, &s) - 1), <, 1e-9);
 }
 
-/* The mean over the width of the smoothed steps of the mask, by sums. */
+/* The value of a shape equals the mean over the width of the smoothed steps of
+   the mask, computed by sums. */
 static void test_value(void) {
   parts p = parts_here(WIDTH, &edges);
   uint32_t state = 3;
@@ -170,9 +171,9 @@ static void test_value(void) {
   }
 }
 
-/* The ripple of a known mask is corrected, to less than a third without a
-   price. A higher price results in fewer jogs and more ripple, the highest in
-   no jogs. With `blocked` no part gets longer. */
+/* A shape corrects the ripple of a known mask, to less than a third if jogs
+   have no price. A higher price results in fewer jogs and more ripple, the
+   highest price in no jogs. With `blocked` no part becomes longer. */
 static void test_flat(void) {
   parts p = parts_here(WIDTH, &edges);
   const int by[EDA_PARTS] = {-6, -4, -2, 0, 0, 0, 3, 3, 0, 0, 0, 2};
@@ -197,8 +198,9 @@ static void test_flat(void) {
   for (int k = 0; k < p.count; k++) g_assert_cmpint(s.by[k], <=, 0);
 }
 
-/* Two halves, 1 nm longer and 1 nm shorter: cosh of the slope. The cost equals
-   the L and W that balance both currents, to second order. */
+/* One half of the gate is 1 nm longer and the other 1 nm shorter: the currents
+   increase by cosh(slope). The cost equals, to second order, the area of the L
+   and W that compensate for both currents. */
 static void test_excess(void) {
   ripple r = {.count = SAMPLES * 4};
   for (int j = 0; j < r.count; j++) r.off[j] = j < r.count / 2 ? 1 : -1;
@@ -209,8 +211,9 @@ static void test_excess(void) {
   g_assert_cmpfloat(fabs(ripple_cost(65, &c) - (l / 65 + w)), <, 1e-12);
 }
 
-/* A line along y that gets shorter by 0.5 nm per nm from 30 nm before the HIGH
-   end of the width on: linear functions are their own coefficients. */
+/* The length along y decreases by 0.5 nm per nm, starting 30 nm before the HIGH
+   end of the width. Spline coefficients of linear functions equal the function
+   values. */
 static void test_thin_end(void) {
   enum { NX = 80, NY = 240, NODE = 2, LENGTH = 64, HIGH = 320 };
   eda_field print = {.frame = {0, 0, NX * NODE, NY * NODE}, .nx = NX, .ny = NY};
@@ -241,7 +244,7 @@ static void test_thin_end(void) {
                {1, 0, 8, -5, 8},
                {0, 0, 99, -5, 0},
                {0, 20, 99, -5, 0},
-               /* from where no poly prints */
+               /* position beyond which no poly prints */
                {1, 140, 200, -5, 160}};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     int32_t k = width_thin_end(&f, 0, cases[i].high, cases[i].from,

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the trust region: Newton's step is limited to a trust radius or,
-   once two masks with errors of opposite sign are known, to this bracket. If a
-   step had too little effect or leaves the bracket, the bracket is bisected
-   (Numerical Recipes 9.4, rtsafe). */
+   once two masks with errors of opposite sign are known, to the bracket between
+   these masks. If a step has too little effect or leaves the bracket, the
+   bracket is bisected (Numerical Recipes 9.4, rtsafe). */
 #include "trust.h"
 
 #include <math.h>
@@ -44,8 +44,8 @@ void trust_judge(trust *t, double dx, double before, double foreseen,
   if (t->slow && !has_bracket(t)) t->radius = fabs(dx) / 4;
 }
 
-/* Return the limit of a step from x towards an end of the bracket: the end or,
-   if that did not print, half of the way to the end. */
+/* Return the limit of a step from x towards an end of the bracket. The limit is
+   the end itself or, if the mask there did not print, half of the way. */
 static double trust_limit(const trust *t, int end, double x) {
   return isinf(t->error[end]) ? (x + t->at[end]) / 2 : t->at[end];
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests the bracket on curves with known roots, with steps ten times too
-   long. */
+/* Tests the bracket on curves with known roots, with initial steps that are ten
+   times too long. */
 #include "trust.c"
 
 #include <glib.h>
@@ -32,7 +32,7 @@ static void test_radius(void) {
   g_assert_cmpfloat(t.radius, ==, 4);
   trust_see(&t, 0, -0.1);
   trust_see(&t, -9, INFINITY);
-  trust_drift(&t, 0, 0.2); /* the end at 0 may have crossed zero */
+  trust_drift(&t, 0, 0.2); /* the error of the end at 0 may have changed sign */
   g_assert_cmpfloat(trust_step(&t, 0, -30), ==, -4);
 }
 

@@ -25,15 +25,15 @@ static const struct {
        is the value of a long channel, -15 that of PTM 65 nm at L 65 nm. */
     .slope = {-1, -15},
 
-    /* Largest common factor by which the first moves change the responses to L
-       of all transistors of a type. */
+    /* Largest common factor by which the results of the first moves change the
+       responses to L of all transistors of a type. */
     .gain_bound = 2.5,
 
     /* Relative uncertainty of an initial response to L and to W. */
     .doubt = {0.3, 0.1},
 
-    /* Least relative uncertainty of a response: the response changes with the
-       mask. */
+    /* Smallest relative uncertainty of a response; above 0, because the
+       response changes with the mask. */
     .least_doubt = 0.15,
 
     /* Least number of transistors of a type for which a common factor of their
@@ -45,8 +45,8 @@ static const struct {
     /* ---- moves ---- */
 
     /* Target balanced: a gate whose error of log Ioff exceeds the first value
-       loses the strips at the ends of its width that exceed the value, too. A
-       gate is not widened over strips that exceed the second value. */
+       loses the strips at the ends of its width whose error exceeds the same
+       value. A gate is not widened over strips that exceed the second value. */
     .thin_end = {0.7, 2.5},
 
     /* Largest factor between a response and its initial estimate, for L and for
@@ -64,11 +64,12 @@ static const struct {
     /* nm: largest move of a line end that has no effect on the transistor. */
     .still = 2,
 
-    /* Relative uncertainty of the predicted effect on log Ion of the first
-       moves of line ends and of parts of edges. */
+    /* Relative uncertainty of the predicted effect on log Ion of the moves of
+       line ends in the first iteration, and of moves of parts of edges. */
     .unforeseen = 0.15,
 
-    /* Uncertainty of log Ion if a line end moves after the first iteration. */
+    /* Uncertainty of log Ion caused by moves of line ends after the first
+       iteration. */
     .late = 0.01,
 
     /* Effect of neighbours on log Ion, relative to the root mean square of the
@@ -76,7 +77,7 @@ static const struct {
        0.75: at most 0.1. */
     .coupling = 0.1,
 
-    /* Uncertainty of log Ion due to the simulation. */
+    /* Uncertainty of log Ion caused by the simulation itself. */
     .noise_floor = 1e-4,
 
     /* ---- changes by other causes: is_foreign ---- */
@@ -88,8 +89,8 @@ static const struct {
        uncertainty; added to odd_limit. */
     .odd_surprise = 2,
 
-    /* If a change is smaller than the predicted one by more than this factor,
-       the trust radius is reduced or the bracket is bisected. */
+    /* If a change is smaller than the predicted change by more than this
+       factor, the trust radius is reduced or the bracket is bisected. */
     .unanswered = 10,
 
     /* ---- selection of moves ---- */
@@ -105,8 +106,8 @@ static const struct {
     /* The loop ends if the mean error is below `ion_limit` / mean_part. */
     .mean_part = 10,
 
-    /* Transistors that the regulator still disturbs after the last iteration
-       move until this multiple of that iteration. */
+    /* Transistors that the regulator still disturbs after iteration
+       `iterations` may move until this multiple of `iterations`. */
     .patience = 2,
 
     /* ---- jogs: jog.c ---- */
@@ -126,7 +127,7 @@ static const struct {
 
     /* ---- flat edges: shape.c ---- */
 
-    /* nm: the same as blur, for moves of parts of both edges. */
+    /* nm: standard deviation as `blur`, for moves of parts of both edges. */
     .smooth = 50,
 
     /* Tikhonov regularization, relative to the response of a whole edge. */
@@ -157,8 +158,8 @@ static const struct {
     .shapes = {0, 2, 6},
     .settled = {0, 6, 9},
 
-    /* Iterations from `settled` until transistors within the limit stop. Fewer
-       moves disturb neighbours less. */
+    /* Number of iterations after `settled` after which transistors within the
+       limit stop moving. Fewer moves disturb neighbours less. */
     .polish = 2,
 
     /* Part of `ion_limit` that is kept in reserve when the method stops, for

@@ -14,7 +14,7 @@ enum { MODE_ION, MODE_IOFF, MODE_IOFFION };
 enum { ION, IOFF };
 
 /* Smallest |Leq - L|, nm, from which a slope is computed. Half and twice this
-   value change no first step of the test cells. */
+   value result in the same first steps for all test cells. */
 static const double least_slope = 0.1;
 
 typedef struct pb {
@@ -32,7 +32,8 @@ static const double *pb_current(const eda_performance *p, int which) {
   return which == ION ? p->ion : p->ioff;
 }
 
-/* Return the deviation of the corrected current, thesis eq. 2.3 and 2.4, %. */
+/* Return the deviation (TPE) of the corrected current, thesis eq. 2.3 and 2.4,
+   %. */
 static double pb_error(const void *self, const eda_feedback *f, size_t i) {
   int which = ((const pb *)self)->driven;
   double design = pb_current(f->design, which)[i];
@@ -40,9 +41,10 @@ static double pb_error(const void *self, const eda_feedback *f, size_t i) {
 }
 
 /* Return the length of a rectangle with the printed current and the drawn
-   width. Leq belongs to the printed width. The current per width is assumed to
-   be exponential in the length between the drawn length and Leq. If Leq is
-   close to the drawn length, the slope is unknown and Leq is returned. */
+   width. Leq is the equivalent length at the printed width. The current per
+   width is assumed to be exponential in the length between the drawn length and
+   Leq. If Leq is close to the drawn length, the slope is unknown and Leq is
+   returned. */
 static double length_at_drawn_width(double drawn, double leq, double width,
                                     double weq, double current) {
   double slope = log(current * width / weq) / (leq - drawn);
@@ -81,7 +83,7 @@ static int pb_begin(void *self, const eda_feedback *f, opc_error *error) {
   return OPC_OK;
 }
 
-/* Continue with Ion by widths alone; the lengths remain. */
+/* Begin the correction of Ion by widths; the lengths no longer move. */
 static void pb_begin_ion(pb *p) {
   p->driven = ION;
   p->descent.fine = 1;
@@ -124,7 +126,7 @@ static const opc_parameter parameters[] = {
         pb, current_limit, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
         .follows = "ion_limit of the step", .former = "max_tpe|limit",
         .summary = "largest allowed |deviation| of the corrected current; a "
-                   "transistor within the limit keeps the mask"),
+                   "transistor within the limit is not changed"),
     EDA_MAX_BIAS(pb),
 };
 

@@ -15,10 +15,12 @@ typedef struct model {
   size_t n;
   double ion[MOST], ion_by_l, ion_by_w;
   double ioff[MOST], ioff_by_l, ioff_by_w;
-  double leq_ion[MOST], leq_ioff[MOST]; /* as drawn */
-  double weq;                           /* 0: drawn width */
+  double leq_ion[MOST], leq_ioff[MOST]; /* equivalent lengths with the drawn
+                                           mask */
+  double weq;                           /* printed width; 0: the drawn width */
   int32_t l[MOST], w[MOST];
-  GString *trace; /* moves of the first transistor, "l,w " */
+  GString *trace; /* "l,w " of the first transistor, appended after each
+                     update */
   int updates;
 } model;
 
@@ -109,17 +111,19 @@ static void test_ioff(void) {
       "within limit");
 }
 
-/* Ioff by L as above, with -10 % remaining; then Ion, +1 at L 2, by W. */
+/* L corrects Ioff as above, with -10 % remaining; then W corrects Ion, which is
+   +1 at L 2. */
 static void test_ioffion(void) {
   check_moves("{ mode: ioffion }", both, "3,0 2,0 1,0 2,0 2,-1 2,-1 2,-1 ",
               "within limit");
 }
 
-/* Correction of Ion keeps the length that Ioff determined, at any deviation of
-   Ion. */
+/* Correction of Ion keeps the length that Ioff determined, however large the
+   deviation of Ion is. */
 static void test_ioffion_keeps_length(void) {
   model t = both;
-  t.ion[0] = 16; /* +10 at L 2, more than three steps of L */
+  t.ion[0] = 16; /* Ion is +10 at L 2, more than the effect of three steps of
+                    L */
   opc_error error;
   g_autoptr(opc_module) m =
       opc_test_module("synthesizer.pb", "{ mode: ioffion }", &error);
@@ -141,8 +145,8 @@ static void test_first_step(void) {
 }
 
 /* Current per width is exp(-0.03 (L - 65)). A transistor printed 66 long and
-   220 wide (drawn: 200) has the current of one 200 wide and 62.8 long: 6.7 %
-   too much. The correction is +2 nm, not the -1 nm that a length of 66
+   220 wide (drawn: 200) has the current of a transistor 200 wide and 62.8 long:
+   6.7 % too much. The correction is +2 nm, not the -1 nm that a length of 66
    suggests. */
 static void test_drawn_width(void) {
   model t = both;
@@ -154,7 +158,8 @@ static void test_drawn_width(void) {
   check_moves("{}", t, "2,0 3,0 2,0 2,-1 2,-1 2,-1 ", "within limit");
 }
 
-/* The user sets the tolerance; several transistors converge independently. */
+/* The parameter sets the limit; several transistors converge independently of
+   each other. */
 static void test_tolerance(void) {
   model t = both;
   t.n = 3;
