@@ -39,12 +39,13 @@ static void correct_log_overlaps(const loop *l) {
         !l->now.assists[k].count &&
         eda_area2(&l->polygons[k]) != eda_area2(&l->mask[k])) {
       l->host->log(l->host, OPC_LOG_WARNING,
-                   "displaced mask edges touch: their polygons are merged");
+                   "\"displaced edges of the mask of a layer overlap: their "
+                   "polygons are merged\"");
       return;
     }
 }
 
-/* Move the parts of the loop that outlive the run into the result. */
+/* Move the shapes, images and figures of the loop into the result. */
 static void hand_over(loop *l, eda_mask *out) {
   for (size_t k = 0; k < l->gates->layers; k++) {
     out->shapes[k] = l->mask[k];
@@ -183,8 +184,8 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED(
         "max_diff", correct, start.max_diff, .type = OPC_REAL,
         .flags = OPC_AT_LEAST, .unit = "%", .min = 0,
-        .summary = "Largest increase of |Ion deviation| for which a transistor "
-                   "keeps its mask from 'start'"),
+        .summary = "Largest increase of |Ion deviation| from 'start' to the "
+                   "first simulation for which a transistor keeps its mask"),
     CORRECT_PRINT_SLOTS(correct),
     CORRECT_MOVE_SLOTS(correct),
     OPC_PARAMETER(
@@ -202,13 +203,15 @@ static const opc_parameter parameters[] = {
     ASSISTS_PARAMETERS(correct),
     SEARCH_PARAMETERS(correct),
     CORRECT_GUARD(correct),
-    CORRECT_ION_LIMIT(correct,
-                      "Largest allowed |Ion deviation|; the guard reverts a "
-                      "transistor above it if the deviation as drawn is less"),
+    CORRECT_ION_LIMIT(
+        correct,
+        "Largest allowed |Ion deviation|; the guard reverts a transistor above "
+        "the limit if its deviation is smaller with the drawn mask"),
     RULES_PARAMETERS(correct),
     OPC_PARAMETER(
         correct, trace, .type = OPC_BOOL, .preset = "false",
-        .summary = "Write trace.csv, with each transistor in each simulation"),
+        .summary =
+            "Write trace.csv with a row for each transistor and simulation"),
 };
 
 static const opc_metric metrics[] = {
@@ -241,8 +244,8 @@ static const opc_metric metrics[] = {
     RULES_METRICS,
 };
 
-/* Set the lengths of features that are switched off, so that they are neither
-   derived from the optics (0) nor published (NAN). */
+/* Set the lengths of features that are switched off. 0: do not derive the
+   length from the optics. NAN: do not publish the length. */
 static void set_unused(correct *c, double value) {
   gate_srafs *a = &c->assists;
   sraf_search_state *s = &c->search;

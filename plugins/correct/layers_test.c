@@ -190,8 +190,8 @@ static void test_epe(void) {
   cell_clear(&c);
 }
 
-/* A fourth layer is one more word in the flow; all layers are verified and
-   written to one file. */
+/* A fourth layer requires one more word in the flow. All layers are verified
+   and written to one file. */
 static void test_four(void) {
   cell c;
   correction four;
@@ -202,7 +202,7 @@ static void test_four(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(names); i++) {
     int k = eda_gates_layer(c.gates, names[i]);
     g_assert_cmpint(k, >=, 0);
-    if (k == EDA_ACTIVE) continue; /* newton needs no other widths here */
+    if (k == EDA_ACTIVE) continue; /* newton moves no widths here */
     g_assert_cmpuint(differences(&four.mask->shapes[k], &c.gates->drawn[k]), >,
                      0);
   }

@@ -5,7 +5,9 @@
 
 #include "tools/devel/testing.h"
 
-#define failed failed_by_findings /* both files have one */
+#define failed                                                   \
+  failed_by_findings /* both included files define a function of \
+                        this name */
 #include "findings.c"
 #undef failed
 
@@ -27,7 +29,8 @@ typedef struct made {
   char *cell[GATES], *instance[GATES], *held[GATES];
   double of[4][6][GATES]; /* design, before, after, after in the loop */
   eda_gates gates;
-  eda_mask mask[2];          /* the second as its loop simulated it */
+  eda_mask mask[2];          /* the reported mask, and the mask with the figures
+                                of the loop */
   int32_t moved[12 * GATES]; /* storage of the biases and of their base */
   eda_moved base;
   biases biases;
@@ -76,7 +79,7 @@ static void make_sample(made *d) {
   }
   for (int k = 0; k < 12 * GATES; k++) d->moved[k] = (int32_t)in(-20, 20);
   for (int i = 0; i < GATES; i++)
-    if (i & 2) d->moved[3 * GATES + i] = 0; /* some have no jog */
+    if (i & 2) d->moved[3 * GATES + i] = 0; /* some gates have no jog */
   int32_t *m = d->moved, *b = m + 6 * GATES;
   d->base = (eda_moved){
       .w = b, .l = b + 2 * GATES, .jog = b + 3 * GATES, .end = b + 4 * GATES};
@@ -478,7 +481,8 @@ static int range(const void *self, int type, double *low, double *high) {
   return type == EDA_NMOS;
 }
 
-/* n-transistors of 50 to 70 nm; p-transistors have no table. */
+/* The device table covers n-transistors of 50 to 70 nm; p-transistors have no
+   table. */
 static void test_drawing(void) {
   static made d;
   const eda_extractor functions = {.range = range};
@@ -507,11 +511,12 @@ static void test_drawing(void) {
   for (int i = 0; i < 7; i++) d.width[i] = 1;
   opc_test_forget();
   correct_findings_of_drawing(opc_test_host(), &d.gates, &extractor);
-  assert_said("longer than wide", 0); /* seven of fourteen are */
+  assert_said("longer than wide", 0); /* seven of fourteen gates are longer than
+                                         wide */
   d.width[7] = 1;
   correct_findings_of_drawing(opc_test_host(), &d.gates, &extractor);
   assert_said("8 of 14 transistors are drawn longer than wide", 1);
-  /* One length and many widths: no warning. */
+  /* Gates with one length and many widths cause no warning. */
   for (int i = 0; i < GATES; i++) d.length[i] = 600, d.width[i] = 300 + i;
   opc_test_forget();
   correct_findings_of_drawing(opc_test_host(), &d.gates, &extractor);

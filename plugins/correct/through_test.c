@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests a correction for several doses and foci with the plugins of a real
-   flow: one transistor, whose mask process.window then simulates at the same
+   flow: process.window simulates the mask of one transistor at the same
    corners. */
 #include <eda/print.h>
 #include <glib.h>
@@ -57,8 +57,8 @@ static char *models(void) {
       devices);
 }
 
-/* The drawn currents equal the weighted mean over all corners, within the
-   loop's limit or one grid step, and process.window computes the same
+/* The weighted mean of the currents over all corners equals the drawn current,
+   within the loop's limit or one grid step. process.window computes the same
    currents. */
 static void test_one(void) {
   g_autofree char *path = source("data/cells65/nmos.cif");
@@ -118,7 +118,7 @@ static void test_unit(void) {
 
 /* Defaults at 248 nm, NA 0.7, where wavelength / NA is 354.3 nm: 11.658, 0.155
    and 0.078 times this value. Given values stay, also those in units of another
-   wavelength; lengths of unused features are unset. */
+   wavelength; lengths of unused features have no value. */
 static void test_follows(void) {
   g_autofree char *devices = source("data/devices/ptm65.yaml");
   static const struct {
@@ -151,7 +151,7 @@ static void test_follows(void) {
 }
 
 /* A margin below that of the stated error is a finding with the error of the
-   margin, measured in README.md; a very small one is refused. */
+   margin, which README.md measures; a very small margin is refused. */
 static void test_margin(void) {
   static const struct {
     const char *given, *expected;
@@ -185,11 +185,11 @@ static void test_margin(void) {
   }
 }
 
-/* The forecast of memory is .8 to 1.3 of the peak of a process that corrects a
-   circuit of 1,796 transistors. */
+/* The forecast of memory is 0.8 to 1.3 times the peak memory of a process that
+   corrects a circuit of 1,796 transistors. */
 static void test_memory(void) {
 #ifdef __SANITIZE_ADDRESS__
-  g_test_skip("the sanitizer takes memory of its own");
+  g_test_skip("the sanitizer uses additional memory");
   return;
 #endif
   g_autofree char *path = find_data("iscas85/c1908/c1908.gds");

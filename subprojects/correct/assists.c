@@ -9,8 +9,8 @@
 
 #include <correct/loop.h>
 
-/* Return the side of a gate that faces smaller or larger coordinates along
-   L. */
+/* Return the edge of a gate that faces larger (`high` 1) or smaller coordinates
+   along L. */
 static eda_sraf_edge edge_of(const eda_gates *g, size_t i, int high) {
   eda_box b = g->box[i];
   eda_sraf_edge e = {.upright = g->axis[i] == EDA_X, .sign = high ? 1 : -1};
@@ -30,8 +30,9 @@ static void assists_show(loop *l) {
       (eda_boxes){l->assists.srafs.box, l->assists.srafs.count});
 }
 
-/* The layout repeats beyond the clear field. A scatter bar outside the frame
-   would overlap the next copy of the layout and be counted twice. */
+/* The layout repeats beyond the clear field. A scatter bar outside the
+   simulation frame would overlap the next copy of the layout, and its
+   transmission would be counted twice. */
 int correct_assists_check(const loop *l, opc_error *error) {
   const eda_frame *f = &l->printer.frame;
   double g = l->gates->grid;

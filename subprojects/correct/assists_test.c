@@ -80,8 +80,8 @@ static void test_places(void) {
       found |= !memcmp(&srafs.box[k], &want[i], sizeof want[i]);
     g_assert_true(found);
   }
-  /* The scatter bars are in the mask, beside the line that is shortened by 3 nm
-     in one part. */
+  /* The scatter bars are in the mask, beside the line, one part of which is 3
+     nm shorter. */
   int64_t line = 60 * 1000 - 3 * 200, all = 6 * 2 * (540 + 410);
   g_assert_cmpint(eda_area2(&l.mask[EDA_POLY]), ==, 2 * (line + all));
   g_string_truncate(published, 0);
@@ -131,7 +131,8 @@ static void test_refused(void) {
                   OPC_INVALID);
   g_assert_nonnull(strstr(error.message, "at least the mask grid"));
   correct_loop_clear(&l);
-  /* From 150 nm beside the line to 500 nm beside the active. */
+  /* The scatter bars would extend from 150 nm beside the line to 500 nm beside
+     the active, beyond the margin. */
   g_assert_cmpint(run_step(&l, &mover, set_rules(1, 550, 0.02), &error), ==,
                   OPC_OK);
   correct_loop_clear(&l);

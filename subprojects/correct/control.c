@@ -6,9 +6,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Tuned constants. Comments state results with half and with twice the value:
-   number of iterations and largest |Ion deviation| in % of flows/dpb.yaml.
-   Present values: SRAM 12, 1.43; NAND2_X1 8, 0.47; c432 19, 0.50. */
+/* Tuned constants. Each comment states the number of iterations and the largest
+   |Ion deviation| (%) of flows/dpb.yaml with half and with twice the value.
+   With the present values: SRAM 12, 1.43; NAND2_X1 8, 0.47; c432 19, 0.50. */
 static const struct {
   double widest_step, min_part, rest;
   uint8_t reopenings;
@@ -24,8 +24,9 @@ static const struct {
        last digits. */
     .min_part = 0.55,
 
-    /* A transistor past its coarse phase restarts if its error changes by more
-       than `limit` / `rest`. Half: no difference. Twice: SRAM 12, 0.61. */
+    /* Divisor of the limit: a transistor past its coarse phase restarts if its
+       error changes by more than `limit` / `rest`. Half: no difference. Twice:
+       SRAM 12, 0.61. */
     .rest = 10,
 
     /* Largest number of restarts of a transistor, to guarantee termination.
@@ -94,7 +95,8 @@ static int judge_length(control *c, const control_input *in, int32_t *l) {
   if (in->veto & veto_of_l(last)) {
     c->barred |= (uint8_t)veto_of_l(last);
   } else {
-    /* A first correction of several steps overshoots: single steps follow. */
+    /* A first correction of several steps that overshoots is followed by single
+       steps. */
     if (abs(last) > 1 || !control_passed(c, in->error)) return 0;
     c->phase = CONTROL_FINE;
     if (fabs(in->error) <= fabs(c->error)) return 0;
@@ -104,7 +106,7 @@ static int judge_length(control *c, const control_input *in, int32_t *l) {
   return 1;
 }
 
-/* Move L by one step, once per transistor, if W has reached its bound, so that
+/* If W has reached its bound, move L by one step, once per transistor, so that
    W can leave the bound. Applies to proportional steps of W only. */
 static int control_exchange(const control_rules *r, control *c,
                             const control_input *in, int32_t *l, int32_t w) {
@@ -122,9 +124,10 @@ static int control_exchange(const control_rules *r, control *c,
   return 1;
 }
 
-/* Restart a transistor whose error was changed by its neighbours, in the phase
-   whose step still reduces |error|. A grid step of W changes Ion by 1 / width.
-   A step of L is assumed to have the effect of the last step of L. */
+/* Restart a transistor whose error was changed by its neighbours. Return to the
+   phase whose next step reduces |error|. A grid step of W changes Ion by the
+   fraction 1 / width; a step of L is assumed to have the effect of the last
+   step of L. */
 static void control_reconsider(const control_rules *r, control *c,
                                const control_input *in) {
   double error = fabs(in->error), by_w = 100 / in->width;
@@ -169,10 +172,10 @@ int correct_control_length(const control_rules *r, control *c,
   return 1;
 }
 
-/* Return the step of W that reduces |error|. Ion is proportional to W.
-   Widening is limited: line ends follow by a limited step, and the wider gate
-   would reach their rounded corners. Each change of sign halves the bound, so
-   that the steps terminate. */
+/* Return the step of W that reduces |error|. Ion is proportional to W. Widening
+   is limited, because the regulator extends line ends by a limited step, and a
+   wider gate would reach their rounded corners. Each change of sign halves the
+   bound, so that the steps terminate. */
 static int32_t width_step(const control_rules *r, control *c,
                           const control_input *in, int32_t w) {
   int sign = -length_step_sign(in->error);
@@ -188,7 +191,8 @@ int correct_control_width(const control_rules *r, control *c,
                           const control_input *in, int32_t *w) {
   if (c->phase != CONTROL_FINE || c->verdict != CONTROL_MOVING) return 0;
   if (abs(c->w) == 1 &&
-      control_passed(c, in->error)) { /* keep this step or revert it */
+      control_passed(c, in->error)) { /* the last step of W is kept or reverted
+                                         below */
     int back = fabs(in->error) > fabs(c->error);
     if (back) *w -= c->w;
     control_settle(c, CONTROL_GRID);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements simulations at corners of dose, focus and mask error and their
-   means for each transistor. A dose scales an existing image; a focus or mask
-   error requires its own image. */
+/* Implements simulations at corners of dose, focus and mask error, and the
+   means over the corners for each transistor. A dose scales an existing image;
+   a focus or a mask error requires an image of its own. */
 #include <correct/corners.h>
 
 #include <eda/memory.h>
@@ -245,9 +245,9 @@ static double figure_of(const eda_performance *p, size_t k, size_t i) {
   return is_ratio(k) ? log(v) : v;
 }
 
-/* Return the difference of a figure's weighted mean from the nominal figure, 0
-   if the transistor prints at no corner. The mean covers the corners at which
-   the transistor prints. */
+/* Return the weighted mean of a figure over the corners at which the transistor
+   prints, minus the nominal figure; 0 if the transistor prints at no corner.
+   Both are logarithms for figures compared as ratios. */
 static double pull_of(const corners *c, const eda_performance *nominal,
                       size_t k, size_t i) {
   double sum = 0, weight = 0;
@@ -262,9 +262,9 @@ static double pull_of(const corners *c, const eda_performance *nominal,
   return isfinite(pull) ? pull : 0;
 }
 
-/* Subtract the mean difference of all transistors of a type, which equals the
-   effect of a different dose. Scale the remainder so that nominal Ion deviates
-   by at most `ion_cost`. */
+/* Subtract from the differences their mean over all transistors of a type,
+   because a change of dose would have the same effect. Scale each remaining
+   difference so that nominal Ion deviates by at most `ion_cost`. */
 static void bound_pulls(const loop *l, double (*pull)[FIGURES]) {
   double sum[2][FIGURES] = {{0}}, count[2] = {0};
   double most = log1p(l->corners.request.ion_cost / 100);
@@ -385,8 +385,8 @@ static int put_all(const loop *l, const row *r, opc_error *error) {
   return code ? code : opc_put_metrics(l->host, OPC_ARRAY(values), error);
 }
 
-/* Warn of transistors that do not print at a corner; the means exclude them at
-   that corner. */
+/* Warn of transistors that do not print at a corner. Their means exclude that
+   corner. */
 static void corners_log_failed(const loop *l, const row *r) {
   size_t n = l->gates->count, at = 0;
   int64_t most = 0;

@@ -85,8 +85,9 @@ static const eda_litho with_fine = {.prepare = prepare_nothing,
 
 static double normal(double x) { return erfc(-x / sqrt(2)) / 2; }
 
-/* Return the printed width of a line: the region where dose * (1 - the fraction
-   of a Gaussian that the line covers)^2 is below 0.6. */
+/* Return the printed width of a line: the width of the region in which dose *
+   (1 - covered)^2 is below 0.6. `covered` is the part of the Gaussian that the
+   line covers. */
 static double printed(double drawn, double dose, double defocus, double by) {
   double sigma = cut_off_at(defocus) / (M_PI * sqrt(2)), low = 0, high = drawn;
   double half = drawn / 2 + by;
@@ -231,9 +232,9 @@ static void test_weights(void) {
   correct_loop_clear(&l);
 }
 
-/* With a bound, the deviation that two transistors of a type have in common is
-   excluded and the remainder is bounded. The deviations of these
-     transistors differ by 0.6 %. */
+/* With a bound of Ion, the common deviation of two transistors of a type is not
+   corrected, and the remaining difference is bounded. The deviations of these
+   transistors differ by 0.6 %. */
 static void test_limit(void) {
   static const double limits[] = {0, 0.2, 50};
   uint8_t same[] = {EDA_NMOS, EDA_NMOS};
@@ -258,7 +259,8 @@ static void test_limit(void) {
       check_near(l.measured.performance.ion[i],
                  l.corners.nominal.ion[i] * exp(i ? -own : own), close_to);
     correct_loop_clear(&l);
-    /* A single transistor of each type has no deviation from its mean. */
+    /* The deviation of the only transistor of a type equals the mean of its
+       type and is not corrected. */
     g_assert_false(run_step(&l, &with_focus, w, 0, &error));
     for (size_t i = 0; i < GATES; i++)
       check_near(l.measured.performance.ion[i], l.corners.nominal.ion[i],
@@ -267,7 +269,8 @@ static void test_limit(void) {
   }
 }
 
-/* The nominal corner alone equals no corners. */
+/* A correction at the nominal corner alone equals a correction without
+   corners. */
 static void test_nominal(void) {
   static const double zero = 0;
   loop a, b;
@@ -301,8 +304,8 @@ static void test_fine(void) {
     for (size_t k = 0; k < ALL; k++)
       check_near(l.corners.corner[k].measured.performance.ion[i],
                  ion_of(i, k, -6), close_to);
-  /* Accurate simulations: two layers, each mask at each focus, after the first
-     displacements. The final images are accurate already. */
+  /* Accurate simulations after the first displacements: two layers, each mask
+     error at each focus. The final images are already accurate. */
   g_assert_cmpint(fine_images, ==, 2 * FOCI * MASKS);
   g_assert_cmpuint(l.printer.fine_simulations, ==, fine_images);
   g_assert_cmpuint(l.printer.simulations, ==, cheap_images);
@@ -363,7 +366,8 @@ static void test_refused(void) {
                  NULL, "all weights are 0");
   assert_refused((corners_request){.weight = {some, 1}}, NULL,
                  "1 weights for 0 corners");
-  /* %, nm and nm: values just inside and just outside the range. */
+  /* Values just inside and just outside the range of doses (%), foci (nm) and
+     mask errors (nm). */
   static const double ends[][2] = {{-100, 1e6}, {-1e6, 1e6}, {-1e3, 1e6}};
   for (int k = 0; k < 3; k++)
     for (int up = 0; up < 2; up++)

@@ -56,7 +56,8 @@ static int32_t along_w(const eda_gates *g, int32_t gate, eda_point p) {
   return g->axis[gate] == EDA_X ? p.y : p.x;
 }
 
-/* Return the half of a bias that a side receives; HIGH has the odd step. */
+/* Return the part of a bias that a side receives: half, and on the HIGH side
+   also the odd step. */
 static int32_t half_of(int32_t all, int high) {
   int32_t low = all >> 1;
   return high ? all - low : low;
@@ -83,12 +84,15 @@ static void piece_add(pieces *out, uint32_t *n, eda_point from, int32_t by) {
   out->by[(*n)++] = by;
 }
 
-/* A side along L, from `low` to `high` along W, with its displacements. */
+/* A poly edge of a gate, from `low` to `high` along W, with its displacements
+   along L. */
 typedef struct side {
-  int32_t low, high, box; /* box: LOW end of the gate's box along W */
+  int32_t low, high, box; /* ends of the side along W; box: LOW end of the
+                             gate's box */
   int32_t l;
-  int32_t jog_from, jog_to; /* equal: the jog is in the opposite side */
-  int upper;                /* 1: receives the odd step */
+  int32_t jog_from, jog_to; /* ends of the jog along W; equal: the jog is in the
+                               opposite side */
+  int upper;                /* 1: the side receives the odd step */
   const eda_part *part;
 } side;
 
@@ -119,9 +123,9 @@ static int is_part(const side *s, int k) {
   return k < EDA_PARTS && s->part[k].from < s->part[k].to;
 }
 
-/* Return the displacement at position `at`: half of the length bias and of the
-   bias of the part there, plus the jog. The jog is in the same side for all
-   parts. */
+/* Return the displacement at position `at`: half of the length bias, half of
+   the bias of the part at this position, and the jog. The side with the jog
+   does not depend on the parts. */
 static int32_t move_at(const side *s, int32_t at) {
   int32_t l = s->l;
   for (int k = 0; is_part(s, k); k++)
@@ -201,19 +205,20 @@ void correct_pieces_follow(const eda_gates *g, size_t layer, const biases *b,
 
 /* ---- from fragments to polygons ---- */
 
-/* Line of a displaced fragment. */
+/* The line on which a displaced fragment is located. */
 typedef struct moved {
   int horizontal;
   int32_t line; /* y if horizontal, else x */
 } moved;
 
 static moved line_moved(eda_point from, eda_point next, int32_t by) {
-  if (from.y == next.y) /* outward is down if the edge runs to the right */
+  if (from.y == next.y) /* the outward direction is down if the edge runs to the
+                           right */
     return (moved){1, from.y + (next.x > from.x ? -by : by)};
   return (moved){0, from.x + (next.y > from.y ? by : -by)};
 }
 
-/* Return 1 if b is a repeated or collinear point between a and c. */
+/* Return 1 if b equals a neighbour or is collinear with a and c. */
 static int is_idle(eda_point a, eda_point b, eda_point c) {
   return (a.x == b.x && b.x == c.x) || (a.y == b.y && b.y == c.y);
 }
@@ -226,8 +231,8 @@ static uint32_t polygon_add(eda_point *polygon, uint32_t n, eda_point p) {
   return n + 1;
 }
 
-/* Remove redundant corners where the end of a polygon meets its start. Returns
-   the remaining count, 0 for a polygon that vanished. */
+/* Remove redundant corners where the end of a polygon meets its start. Return
+   the remaining count; 0: the polygon vanished. */
 static uint32_t polygon_join(eda_point *polygon, uint32_t n) {
   uint32_t first = 0;
   for (int found = 1; found && n - first > 2;) {
@@ -254,7 +259,8 @@ static uint32_t polygon_build(const eda_point *from, const int32_t *by,
       n = polygon_add(polygon, n,
                       m.horizontal ? (eda_point){before.line, m.line}
                                    : (eda_point){m.line, before.line});
-    } else if (m.line != before.line) { /* a jog */
+    } else if (m.line != before.line) { /* parallel fragments on different
+                                           lines: insert a jog */
       int32_t at = m.horizontal ? from[i].x : from[i].y;
       for (int k = 0; k < 2; k++) {
         int32_t line = k ? m.line : before.line;

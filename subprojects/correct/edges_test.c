@@ -24,8 +24,8 @@ typedef struct moves {
   eda_part part[EDA_PARTS];
 } moves;
 
-/* Return the line after its displacements. `across`: x and y exchanged, in the
-   order that keeps the inside on the left. */
+/* Return the line after its displacements. `across`: 1: x and y are exchanged,
+   and the order is reversed to keep the inside on the left. */
 static eda_shapes moved(moves m, int across) {
   eda_fragment laid[N];
   for (int i = 0; i < N; i++) { /* the order is reversed: each fragment begins
@@ -92,11 +92,12 @@ static void test_biases(void) {
       {{1, 0, 0, 900, {{0}}},
        "0,0 60,0 60,100 61,100 61,300 -1,300 -1,100 0,100 "},
       {{0, 0, 0, -7, {{0}}}, "0,0 60,0 60,300 0,300 "},
-      /* The line end is moved back to the gate's start, and beyond it. */
+      /* The line end is moved inwards to the start of the gate, and past it. */
       {{4, 0, -200, 0, {{0}}}, "0,0 60,0 60,100 0,100 "},
       {{0, 0, -300, 0, {{0}}}, ""},
-      /* Parts, from the gate's LOW end at y = 120: both sides, one side, up to
-         the end of the side, and with a jog, which stays in its side. */
+      /* Displacements of parts, counted from the gate's LOW end at y = 120:
+         both sides, one side, up to the end of the side, and with a jog, which
+         stays in its side. */
       {{.part = {{20, 60, 2}}},
        "0,0 60,0 60,140 61,140 61,180 60,180 60,300 0,300 0,180 -1,180 -1,140 "
        "0,140 "},
@@ -155,7 +156,7 @@ static void test_aside(void) {
   }
 }
 
-/* A vanished polygon can be merged. */
+/* A polygon that vanished can be merged with others. */
 static void test_nothing(void) {
   eda_shapes s = moved((moves){.high = -300}, 0), merged;
   opc_error error;
@@ -181,7 +182,9 @@ static void test_areas(void) {
   for (int32_t l = -5; l <= 5; l++)
     for (int32_t jog = -1; jog <= 201; jog++)
       for (int32_t high = -20; high <= 10; high += 15) {
-        if (jog > 200 + high && jog < 200) continue; /* beyond the line end */
+        if (jog > 200 + high && jog < 200)
+          continue; /* the jog would end beyond
+                       the line end */
         int32_t long_for = jog >= 200 ? 200 + high : jog > 0 ? jog : 0;
         int64_t want = 60 * (300 + high) + l * (200 + high) + long_for;
         for (int across = 0; across < 2; across++) {

@@ -10,8 +10,8 @@
 #include <correct/report.h>
 
 /* Largest relative distance of a drawn length from an end of the device table
-   that causes a warning; about the deviation of printed lengths before
-   correction. */
+   that causes a warning; about the deviation of a printed length from the drawn
+   length before correction. */
 static const double near_end = 0.1;
 
 static const char *plural_of(size_t n) { return n == 1 ? "" : "s"; }
@@ -59,8 +59,9 @@ static size_t count_different(const double *size, size_t n) {
   return count;
 }
 
-/* Exchanged layers make most gates longer than wide, and lengths more diverse
-   than widths. Both are required: devices for 5 V may be longer than wide. */
+/* If layers are exchanged, most gates are longer than wide, and lengths are
+   more diverse than widths. The warning requires both, because 5 V devices may
+   be longer than wide. */
 void correct_findings_of_drawing(const opc_host *host, const eda_gates *g,
                                  const opc_module *extractor) {
   const eda_extractor *model = extractor->functions;

@@ -11,39 +11,45 @@
 /* Tuned constants. */
 static const struct {
   double limit, error, least, most, part, peak, light, larger;
-  const char *near, *nearest; /* natural lengths */
+  const char *near, *nearest; /* nm, for a wavelength and NA that `natural`
+                                 states */
 } tuned = {
-    /* `limit` in % of Ion, `error` for clear field 1; the error is proportional
-       to the limit. Test: c432 corrected by litho.hopkins, Ion compared with
-       all 1402 kernels. An error of 1e-4 (105 kernels) changes Ion by 0.05 % in
-       the mean and 0.27 % at most, 5e-5 (221 kernels) by 0.03 % and 0.15 %. The
-       mean for 5e-5 is within a tenth of 0.5 %. */
+    /* An image error of `error` (clear field 1) is permitted for an Ion limit
+       of `limit` %. The permitted error is proportional to the limit. Test:
+       c432 corrected by litho.hopkins, Ion compared with all 1402 kernels. An
+       error of 1e-4 (105 kernels) changes Ion by 0.05 % in the mean and 0.27 %
+       at most, 5e-5 (221 kernels) by 0.03 % and 0.15 %. The mean for 5e-5 is
+       within a tenth of 0.5 %. */
     .limit = 0.5,
     .error = 5e-5,
 
-    /* Bounds of the image error. A few kernels reach `most`, so that a larger
-       error saves no time. */
+    /* Bounds of the image error. A few kernels suffice for `most`, so a larger
+       error would save no time. */
     .least = 5e-5,
     .most = 5e-4,
 
-    /* Standard deviation of Ion caused by the error of one layer, as a fraction
-       of `limit`: 0.02 % of Ion at 0.5 %, the effect of 5e-5 for poly at 65 nm.
-       `peak`: ratio of the largest image error, which models specify, to the
-       standard deviation over a layout (litho.hopkins, README: 4 to 5). */
+    /* Largest standard deviation of Ion caused by the image error of one layer,
+       as a fraction of `limit`: 0.02 % of Ion at 0.5 %, the effect of 5e-5 for
+       poly at 65 nm. `peak`: ratio of the largest image error, which models
+       report, to the standard deviation over a layout (litho.hopkins, README: 4
+       to 5). */
     .part = 0.04,
     .peak = 4,
 
-    /* Intensity step, clear field 1; displaces edges by 0.2 nm. Rounding errors
-       are 1e-4 of the displacement; a step of 1e-2 is not linear. */
+    /* Intensity step of the sensitivity, clear field 1; it displaces edges by
+       0.2 nm. Rounding errors are 1e-4 of the displacement; a step of 1e-2 is
+       not linear. */
     .light = 1e-3,
 
-    /* Relative step of a length or width, at least half a nanometre. Half and
-       twice the step change the slope of a device table by less than 1 %. */
+    /* Relative step of a length or width for the sensitivity; the step is at
+       least half a nanometre. Half and twice the step change the slope of a
+       device table by less than 1 %. */
     .larger = 0.01,
 
-    /* Default for fast simulations, and smallest allowed margin: 1000 and 300
-       nm at 193 nm, NA 0.75. The error by repetition falls with the square of
-       the margin; measured in plugins/correct/README.md. */
+    /* Default margin of fast simulations, and smallest allowed margin: 1000 and
+       300 nm at 193 nm, NA 0.75. The error caused by the repetition of the
+       layout decreases with the square of the margin, as measured in
+       plugins/correct/README.md. */
     .near = "3.886 lambda/NA",
     .nearest = "1.166 lambda/NA",
 };
@@ -90,7 +96,8 @@ static int make_larger(drawn *d, int layer, const opc_context *context,
   return code;
 }
 
-/* Simulate a layer at a slightly higher intensity. The caller clears *out. */
+/* Compute the level set of a layer at a slightly higher intensity. The caller
+   clears *out. */
 static int print_lit(const eda_printer *p, int layer, eda_field *out,
                      opc_error *error) {
   *out = eda_field_scaled(&p->image[layer], 1);
@@ -101,8 +108,8 @@ static int print_lit(const eda_printer *p, int layer, eda_field *out,
 
 /* Sensitivities of Ion to intensity, % per clear field: displacement of the
    edges in the middle of a gate times the sensitivity of the drawn gate. The
-   simulated Ion is not used, because drawn line ends nearly open the channel
-   and corrected line ends do not. */
+   sensitivity of the drawn gate is used, because the simulated Ion includes
+   line ends that nearly open the channel with the drawn mask only. */
 typedef struct sensitivities {
   const eda_printer *printer;
   const drawn *drawn;

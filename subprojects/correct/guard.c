@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the reversion of transistors that a loop made worse than drawn. */
+/* Implements the reversion of transistors that the loop made worse than with
+   the drawn mask. */
 #include <correct/guard.h>
 
 #include <eda/index.h>
@@ -20,33 +21,37 @@ static const struct {
      */
     .worse = 0.001,
 
-    /* model_margin as a fraction of `ion_limit`; equal to the error for which
-       the accurate model is set up. */
+    /* Tolerance of a comparison with the drawn mask, as a fraction of
+       `ion_limit`; equal to the error for which the accurate model is set
+       up. */
     .part = 0.1,
 
-    /* Difference of two simulations of a gate, %, if only edges farther than
-       4 um differ (c432: 0.02 for a drawn deviation of 41 %). */
+    /* Tolerance, %, within which a gate is as good as drawn in a trial. Edges
+       farther than 4 um change Ion by less (c432: by 0.02 for a drawn deviation
+       of 41 %). */
     .equal_part = 0.05,
 
     /* Two violations of one rule within this distance are the same; below the
        width of a gate, so that its two ends are distinguished. */
     .near = 100,
 
-    /* Fragments within this distance of a gate's box belong to the gate, also
-       at its line ends. About the resolution at 193 nm, NA 0.75. */
+    /* Fragments within this distance of a gate's box belong to the gate; this
+       includes fragments of its line ends. About the resolution at 193 nm, NA
+       0.75. */
     .reach = 150,
 
-    /* Distance within which all edges are reverted at GUARD_SURROUNDED; doubled
-       at each higher level. About the distance of neighbouring poly. */
+    /* Distance within which all edges are reverted at the level
+       GUARD_SURROUNDED; each higher level doubles the distance. About the
+       distance of neighbouring poly. */
     .around = 250,
 
-    /* Simulations after which the entire mask is reverted to drawn. A single
-       gate needed three, a cluster of a hundred lines less than ten. */
+    /* Number of simulations after which the entire mask is reverted to drawn. A
+       single gate needed three, a cluster of a hundred lines less than ten. */
     .rounds = 30,
 
-    /* Trials of possible causes: reversion of the regulator's shapes, of all
-       edges within eight times `around`, within sixteen times. The optical
-       influence beyond 2 um is small. */
+    /* Number of trials of possible causes. The trials revert the regulator's
+       shapes, then all edges within eight times `around`, then within sixteen
+       times. The optical influence beyond 2 um is small. */
     .trials = 3,
 };
 
@@ -86,8 +91,8 @@ int correct_guard_begin(loop *l, const eda_printed *drawn, opc_error *error) {
   return code;
 }
 
-/* Return the factor on a gate's drawn Ion that is the synthesizer's target;
-   NAN: no target. */
+/* Return the factor on a gate's drawn Ion that the synthesizer aims at; NAN: no
+   target. */
 static double target_of(const loop *l, size_t gate) {
   const opc_module *m = l->drivers[MAIN].module;
   const eda_synthesizer *s = m->functions;
@@ -136,7 +141,7 @@ static int same_rule(const char *a, const char *b) {
   return n == strcspn(b, ":;") && !strncmp(a, b, n);
 }
 
-/* Return 1 if the drawn mask violates the same rule at the same position. */
+/* Return 1 if the drawn mask also violates this rule at this position. */
 static int was_broken(const guard *g, const eda_violation *v) {
   size_t low = 0, high = g->rules;
   const eda_violation first = {.gate = v->gate, .x = v->x - tuned.near};
@@ -168,9 +173,10 @@ static eda_box place_of(const loop *l, double x, double y) {
   return (eda_box){a, b, a, b};
 }
 
-/* Return the uncertainty of a comparison with the drawn mask, %. The difference
-   of the models is computed for the first displaced mask and applied to the
-   drawn mask. The error for c432 is 0.02 in the mean and 0.1 at most. */
+/* Return the uncertainty of a comparison with the drawn mask, %. The comparison
+   is uncertain because the difference of the accurate and the fast model is
+   computed for the first displaced mask and applied to the drawn mask. For
+   c432, this causes an error of 0.02 in the mean and 0.1 at most. */
 static double model_margin(const loop *l) {
   return l->printer.fine > 0 ? tuned.part * l->ion_limit : 0;
 }
@@ -181,7 +187,10 @@ static int fault_of(const loop *l, size_t i, double margin) {
     return eda_print_failed(g->flags[i]) ? GOOD : LOST;
   double target = target_of(l, i);
   if (isnan(target) || eda_print_failed(g->flags[i])) return GOOD;
-  if (l->still && l->still[i]) return GOOD; /* may be worse by its neighbours */
+  if (l->still && l->still[i])
+    return GOOD; /* a transistor that keeps its mask
+                    may be worse because of its
+                    neighbours */
   double drawn = guard_deviation(l, &l->before, i, target) + model_margin(l);
   double most = fmax(drawn, l->ion_limit) + margin;
   return guard_deviation(l, &l->measured.performance, i, target) <= most
@@ -190,8 +199,9 @@ static int fault_of(const loop *l, size_t i, double margin) {
 }
 
 /* Mark new violations as faults of their transistors, unless all edges of the
-   transistor are reverted: reverting its environment causes more violations.
-   Violations without a transistor, for example of mask edges, are ignored. */
+   transistor have already been reverted: reverting its environment as well
+   would cause more violations. Violations without a transistor, for example of
+   mask edges, are ignored. */
 static int find_broken(loop *l, opc_error *error) {
   guarded *state = l->guard.state;
   eda_violation *v = NULL;
@@ -218,8 +228,8 @@ static void keep_least(loop *l, size_t i) {
   s->pick = s->level;
 }
 
-/* Count the transistors of the last simulation with a fault of unknown
-   cause. */
+/* Find the faults of all transistors in the last simulation. *count receives
+   the number of transistors with a fault whose cause is not known. */
 static int find_faults(loop *l, size_t *count, opc_error *error) {
   *count = 0;
   for (size_t i = 0; i < l->gates->count; i++)
@@ -241,7 +251,7 @@ typedef struct hold {
   loop *l;
   eda_index *gates;      /* boxes of the gates */
   eda_index **fragments; /* [layers], sites of dissected layers */
-  trial ended;           /* result of the synthesizer */
+  trial ended;           /* displacements with which the loop ended */
 } hold;
 
 static void hold_init(hold *h, loop *l) {
@@ -270,8 +280,8 @@ static void hold_clear(hold *h) {
   correct_trial_clear(&h->ended);
 }
 
-/* Scale the displacements of fragments in a window to a fraction of the
-   synthesizer's result. */
+/* Set the displacements of the fragments in a window to the fraction `part` of
+   the synthesizer's result. */
 static void set_fragments(hold *h, eda_box window, double part) {
   for (size_t k = 0; k < h->l->gates->layers; k++) {
     if (!h->fragments[k]) continue;
@@ -356,7 +366,8 @@ static void set_level(hold *h, size_t i) {
 }
 
 /* Build the next mask from the synthesizer's result and the levels of all
-   transistors. Apply the levels with a reverted environment last. */
+   transistors. Apply levels that also revert the environment of a transistor
+   last, so that no other level overrides them. */
 static void hold_apply(hold *h) {
   const guarded *state = h->l->guard.state;
   correct_trial_copy(&h->l->next, &h->ended);
@@ -366,9 +377,9 @@ static void hold_apply(hold *h) {
         set_level(h, i);
 }
 
-/* Advance each transistor with a fault to the next level. After GUARD_DRAWN, a
-   transistor that prints receives its best tried level. Returns the number of
-   advanced transistors. */
+/* Advance each transistor with a fault to the next level. A transistor that
+   prints and has reached GUARD_DRAWN receives the best level tried. Return the
+   number of advanced transistors. */
 static size_t hold_advance(hold *h) {
   size_t count = 0;
   for (size_t i = 0; i < h->l->gates->count; i++) {
@@ -451,10 +462,9 @@ static void name_neighbour(hold *h, size_t gate, double nm) {
   }
 }
 
-/* Run trial t. Trial 0 reverts each open transistor and the regulator's shapes
-   near the transistor; later trials revert all edges within a distance.
-   Record
-   the cause for transistors that are as good as drawn in the trial. */
+/* Run trial t. Trial 0 reverts the regulator's shapes near each transistor in
+   `open`; later trials revert all edges within a distance. Record the cause for
+   transistors that are as good as drawn in the trial. */
 static int try_cause(hold *h, int t, uint8_t *open, opc_error *error) {
   loop *l = h->l;
   double nm = t ? level_radius(GUARD_SURROUNDED + 2 + t) : tuned.around;
@@ -480,8 +490,8 @@ static int try_cause(hold *h, int t, uint8_t *open, opc_error *error) {
   return code;
 }
 
-/* Find the causes of worse transistors by trials, and undo the trials. Revert
-   the environment of a transistor for which no trial finds a cause. */
+/* Find the causes of worse transistors by trials, and undo the trials. For a
+   transistor without a cause in any trial, revert the environment. */
 static int find_causes(hold *h, opc_error *error) {
   loop *l = h->l;
   guarded *state = l->guard.state;

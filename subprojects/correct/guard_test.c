@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests the guard with synthesizers that follow a script of bad displacements,
-   on two transistors of one poly line. A line of 60 nm prints 80 nm wide here:
-   a bias of -14 corrects its Ion, and one of -60 or less opens it. */
+   on two transistors that share one poly line. A line of 60 nm prints 80 nm
+   wide here: a bias of -14 corrects its Ion, and one of -60 or less opens
+   it. */
 #include "models_test.h"
 
 enum { GATES = 2, MOVES = 2 };
@@ -40,11 +41,13 @@ static const eda_synthesizer scripted = {
 
 /* ---- a regulator with prescribed violations ---- */
 
-/* A rule that transistor 0, or no transistor, violates if `drawn` is 1 or if a
-   transistor of the bit mask `moved` has a displaced mask. */
+/* Tests a rule that transistor 0 violates, or that no transistor owns. The rule
+   is violated if `drawn` is 1, or if a transistor of the bit mask `moved` has a
+   displaced mask. */
 enum { OWN = 1, OTHERS = 2 };
 static int drawn, moved, nobodys;
-static double aside[2]; /* distance from there, once masks are displaced, nm */
+static double aside[2]; /* distance of the violation from the drawn position
+                           once masks are displaced, nm */
 
 static int set_rules(void *self, const eda_printed *p, eda_ruling *r,
                      opc_error *error) {
@@ -71,8 +74,8 @@ static const eda_regulator finder = {.rule = set_rules,
 
 /* ---- an extractor that couples two transistors ---- */
 
-/* Transistor 0 has half of its current unless transistor 1 prints as drawn. The
-   first call measures the design. */
+/* Transistor 0 has half of its current if transistor 1 does not print as drawn.
+   The first call measures the drawn shapes. */
 static int calls;
 
 static int extract_coupled(const void *self, const eda_slices *in,
@@ -151,7 +154,8 @@ static void test_open(void) {
   }
 }
 
-/* Deviation larger than drawn: the drawn mask is the best. */
+/* If the deviation is larger than with the drawn mask, the drawn mask is
+   restored. */
 static void test_worse(void) {
   script s = {.l = {{40, -14}}, .moves = 1, .target = {1, 1}};
   loop l;
@@ -167,7 +171,8 @@ static void test_worse(void) {
   correct_loop_clear(&l);
 }
 
-/* Deviation larger than drawn, but within the limit. */
+/* A deviation larger than with the drawn mask, but within the limit, is
+   accepted. */
 static void test_limit(void) {
   script s = {.l = {{-1, -14}}, .moves = 1, .target = {0.822, 1}};
   loop l;
@@ -181,7 +186,7 @@ static void test_limit(void) {
   limit_of_guard = 0.5;
 }
 
-/* A mask that was the best with other line ends is not restored. */
+/* The best mask is not restored if it had other line ends. */
 static int move_end(void *self, const eda_printed *p, eda_ruling *r,
                     opc_error *error) {
   (void)self, (void)p, (void)error;
@@ -205,7 +210,7 @@ static void test_ends(void) {
   correct_loop_clear(&l);
 }
 
-/* The target of Ion decides; NAN: no target. */
+/* The guard compares with the synthesizer's target of Ion; NAN: no target. */
 static void test_target(void) {
   script s = {.l = {{-14, 40}}, .moves = 1, .target = {0.82, NAN}};
   loop l;
@@ -215,9 +220,9 @@ static void test_target(void) {
   correct_loop_clear(&l);
 }
 
-/* A rule that the drawn mask satisfies is restored if the transistor's own
-   edges suffice; a rule that the drawn mask violates may remain
-   violated. */
+/* If the drawn mask satisfies a rule and the transistor's own edges suffice to
+   satisfy it, the transistor is reverted. A rule that the drawn mask violates
+   may remain violated. */
 static void test_rules(void) {
   script s = {.l = {{-14, -14}}, .moves = 1, .target = {1, 1}};
   loop l;
@@ -252,8 +257,8 @@ static void test_rules(void) {
   nobodys = 0;
 }
 
-/* If the rule depends on a neighbour too, nothing is reverted: a drawn
-   environment would violate more rules. */
+/* If the violation depends on a neighbour, too, nothing is reverted, because a
+   drawn environment would violate more rules. */
 static void test_rule_of_two(void) {
   script s = {.l = {{-14, -14}}, .moves = 1, .target = {1, 1}};
   loop l;
@@ -266,8 +271,8 @@ static void test_rule_of_two(void) {
   correct_loop_clear(&l);
 }
 
-/* A cut-out that opens a gate in spite of its own mask is removed with
-   all shapes nearby, but not with distant shapes. */
+/* A cut-out that opens a gate even with the drawn mask of the gate is removed
+   together with all shapes nearby; distant shapes remain. */
 static int cutout_through(void *self, const eda_printed *p, eda_ruling *r,
                           opc_error *error) {
   static const eda_box all = {0, 150, 60, 250};
@@ -306,7 +311,7 @@ static void test_neighbour(void) {
   correct_loop_clear(&l);
 }
 
-/* The cause is not a displaced transistor but the regulator's shape beside a
+/* The cause is a shape of the regulator beside a transistor, not a displaced
    transistor. */
 static int cutout_neighbour(void *self, const eda_printed *p, eda_ruling *r,
                             opc_error *error) {
@@ -348,7 +353,8 @@ static int cut_layer(void *self, const eda_gates *g, int layer, eda_cuts *cuts,
   return OPC_OK;
 }
 
-/* Both sides of transistor 0 too far inwards; transistor 1 correct. */
+/* Displace both sides of transistor 0 too far inwards, and those of transistor
+   1 correctly. */
 static int update_fragments(void *self, const eda_feedback *f, eda_moves *m,
                             int *done, opc_error *error) {
   const eda_fragment *e = f->gates->edges[EDA_POLY].fragments;

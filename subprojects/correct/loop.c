@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the loop of thesis figures 2.1, 3.1 and 5.1. Simulate a mask,
-   extract each transistor's performance, and let synthesizers displace the
-   mask's edges within the limits of a regulator until they are done. All
-   algorithms are plugins; the loop passes arrays between them. */
+/* Implements the loop of thesis figures 2.1, 3.1 and 5.1. The loop simulates a
+   mask, extracts the performance of each transistor, and lets synthesizers
+   displace edges of the mask within the limits of a regulator. The loop ends
+   when the synthesizers are done. All algorithms are plugins; the loop passes
+   arrays between them. */
 #include <correct/loop.h>
 
 #include <eda/check.h>
@@ -63,13 +64,14 @@ static int loop_measure(loop *l, const uint8_t *printed, opc_error *error) {
   int code = eda_measure(l->host->context, l->gates, l->printer.print,
                          l->extractor, &l->measured, error);
   if (code) return code;
-  /* Images after an accurate simulation include the difference already. */
+  /* Images after an accurate simulation already include the difference of the
+     models. */
   if (l->base && !l->printer.fine_simulations)
     correct_start_correct(l->base, &l->measured.performance);
   return correct_corners_measure(l, error);
 }
 
-/* Copy the measurement for synthesizers. Transistors that keep their masks get
+/* Copy the measurement for synthesizers; transistors that keep their masks get
    their drawn figures. */
 static void loop_show(loop *l) {
   const eda_performance *drawn = &l->design;
@@ -161,8 +163,9 @@ static int loop_rule(loop *l, eda_ruling *ruling, opc_error *error) {
   int code = eda_call_rule(l->host->context, l->regulator, &p, ruling, error);
   if (code) return eda_blame(error, code, "regulator");
   for (size_t k = 0; k < l->gates->layers; k++) {
-    /* Added shapes repair drawn edges of transistors. In poly and active layers
-       that a synthesizer dissects, violations are only counted. */
+    /* The regulator's added shapes repair the drawn edges of transistors. If a
+       synthesizer dissects poly or active, no shapes are added; violations are
+       only counted. */
     if (l->gates->count && k <= EDA_ACTIVE && l->next.shift[k]) continue;
     correct_trial_set_both(&l->next.added[k], correct_loop_begun(l, k, 0),
                            ruling->added[k]);
@@ -266,7 +269,8 @@ static int cut_layer(loop *l, size_t layer, opc_error *error) {
   return OPC_OK;
 }
 
-/* Warn of layers that no synthesizer moves, and of `edges` without a layer. */
+/* Warn of layers that no synthesizer moves, and of a synthesizer `edges` that
+   moves no layer. */
 static void loop_log_idle(const loop *l) {
   const opc_host *host = l->host;
   int edges = 0;
@@ -309,8 +313,8 @@ static int loop_begin(loop *l, opc_error *error) {
   return code;
 }
 
-/* Let a synthesizer set displacements in `next`. Store its scatter bars for its
-   own layers only. */
+/* Let a synthesizer set displacements in `next`. Store scatter bars only for
+   the layers of this synthesizer. */
 static int driver_move(loop *l, int which, eda_moves *moves, opc_error *error) {
   driver *d = &l->drivers[which];
   eda_feedback f = feedback_of(l, d);
@@ -323,7 +327,8 @@ static int driver_move(loop *l, int which, eda_moves *moves, opc_error *error) {
   return OPC_OK;
 }
 
-/* Let a synthesizer compute displacements; discard gate biases by EDGES. */
+/* Let a synthesizer compute displacements. Discard the biases of gates that
+   EDGES sets. */
 static int driver_update(loop *l, int which, opc_error *error) {
   size_t n = l->gates->count, layers = l->gates->layers;
   const biases *b = &l->next.biases;
@@ -355,7 +360,8 @@ static int driver_update(loop *l, int which, opc_error *error) {
 
 /* ---- the loop ---- */
 
-/* Return the largest |Ion deviation| or, without transistors, |EPE|. */
+/* Return the largest |Ion deviation|, % or, without transistors, the largest
+   |EPE|, nm. */
 static double loop_worst(const loop *l) {
   return l->summary.gates ? l->summary.ion_max : l->summary.epe_max;
 }
@@ -364,8 +370,8 @@ static const char *worst_unit(const loop *l) {
   return l->summary.gates ? "%" : "nm";
 }
 
-/* Report a loop that ends before its synthesizers have finished. If all
-   transistors are within the limit, log no finding. */
+/* Log that the loop ends before its synthesizers have finished, unless all
+   transistors are within the limit. */
 static void loop_log_unconverged(const loop *l) {
   int within = l->summary.gates && loop_worst(l) <= l->ion_limit;
   l->host->log(l->host, within ? OPC_LOG_INFO : OPC_LOG_FINDING,
@@ -390,7 +396,7 @@ static int ends_anytime(const driver *d) {
 }
 
 /* Call the synthesizers that have not finished, and synthesizers whose layers
-   the regulator changed (`ruled`). */
+   the regulator changed (ruled[which] = 1). */
 static int move_all(loop *l, const int *ruled, opc_error *error) {
   int code = OPC_OK;
   for (int which = 0; which < DRIVERS && !code; which++) {
@@ -398,7 +404,8 @@ static int move_all(loop *l, const int *ruled, opc_error *error) {
     if (!d->module || (d->done && !ruled[which])) continue;
     d->done = 0;
     code = driver_update(l, which, error);
-    /* The change by the regulator has not been simulated yet. */
+    /* The regulator's change has not been simulated yet, so the synthesizer
+       must be called again. */
     if (ruled[which] && ends_anytime(d)) d->done = 0;
   }
   return code;
@@ -439,7 +446,8 @@ static int loop_iterate(loop *l, opc_error *error) {
   return code;
 }
 
-/* Count violations without a stated cause: the regulator may repair them. */
+/* Count violations without a stated cause, which the regulator may still
+   repair. */
 static int count_open(loop *l, size_t *count, opc_error *error) {
   eda_violation *v = NULL;
   size_t n = 0;
@@ -453,7 +461,8 @@ static int count_open(loop *l, size_t *count, opc_error *error) {
   return code;
 }
 
-/* Iterate until an accurate simulation verifies the result. */
+/* Iterate until an accurate simulation verifies the result, or until
+   VERIFICATIONS verifications have failed. */
 static int loop_iterate_verified(loop *l, opc_error *error) {
   int code = OPC_OK, holds = 0;
   for (int k = 0; k < VERIFICATIONS && !holds && !code; k++) {

@@ -31,7 +31,8 @@ typedef struct synthesizer {
   eda_point from[THIRDS];
   double site[2 * THIRDS];
   uint32_t start[3];
-  const char *spoil; /* error to make */
+  const char *spoil; /* kind of error in the returned fragments or shapes; NULL:
+                        none */
   const eda_box *assists;
   size_t assist_count;
   int drop;                   /* number of scatter bars removed with the
@@ -203,7 +204,8 @@ static void test_fragments(void) {
   g_assert_cmpuint(l.summary.sites, ==, THIRDS);
   g_assert_cmpuint(l.summary.lost, ==, 0);
   g_assert_cmpfloat(l.summary.epe_max, <, 2);
-  /* The image was too large, so the mask is smaller. */
+  /* The image of the drawn mask is too large, so the corrected mask is
+     smaller. */
   g_assert_cmpint(eda_area2(&l.mask[EDA_POLY]), <, drawn_area2() * 9 / 10);
   /* The other layer was simulated once. */
   g_assert_cmpuint(l.iterations, >, 2);
@@ -211,8 +213,8 @@ static void test_fragments(void) {
   correct_loop_clear(&l);
 }
 
-/* Edges that the final accurate simulation finds at other positions are
-   corrected again. */
+/* Edges whose position differs in the final accurate simulation are corrected
+   again. */
 static void test_proof(void) {
   const eda_litho finer = {.prepare = prepare_nothing,
                            .band = model_band,
@@ -241,7 +243,8 @@ static void test_added(void) {
     g_assert_cmpint(run_step(&l, early ? &hasty : &cutter,
                              MODULE(&regulator, NULL), &error),
                     ==, OPC_OK);
-    /* Settled before the first displacements, or together with them. */
+    /* The synthesizer of the added shape's layer sees the shape before its
+       first displacements, or together with them. */
     g_assert_cmpuint(own.first_simulations, ==, early ? 2 : 3);
     eda_shapes box, outside, both;
     correct_shapes_of_boxes((boxes_lists){&(eda_boxes){&shape, 1}, 1}, &box);
@@ -256,7 +259,7 @@ static void test_added(void) {
     eda_shapes_clear(&both);
     correct_loop_clear(&l);
   }
-  /* A synthesizer that finishes before the shape was added is asked again. */
+  /* A synthesizer that finishes before the shape is added is called again. */
   own.spoil = "at once";
   own.updates = 0;
   g_assert_cmpint(run_step(&l, &hasty, MODULE(&regulator, NULL), &error), ==,
@@ -276,7 +279,7 @@ static void test_added(void) {
   correct_loop_clear(&l);
 }
 
-/* Cut-outs remove area from added shapes and from the mask, and nothing
+/* Cut-outs remove area from added shapes and from the mask. They change nothing
    else. */
 static void test_cutouts(void) {
   static const eda_box cutout = {-20, 120, 10, 160};
@@ -311,8 +314,8 @@ static void test_cutouts(void) {
   correct_loop_clear(&without);
 }
 
-/* Assist features are unchanged in the mask and merged where they touch;
-   removed ones are not in the mask. */
+/* Assist features are in the mask without change, merged where they touch.
+   Removed assist features are not in the mask. */
 static void test_assists(void) {
   static const eda_box bars[] = {
       {400, -100, 420, 400}, {410, 390, 500, 410}, {-120, 0, -100, 200}};
@@ -395,13 +398,13 @@ static void test_faults(void) {
 
 enum { METAL = 2, POWER, LAYERS };
 
-/* The sample of two transistors with the L and the bar as metal1, and with an
-   uncorrected metal2. */
+/* Return the sample of two transistors, with the L and the bar in metal1, and
+   with a metal2 that is not corrected. */
 static const eda_gates *stack(void) {
   static eda_shapes drawn[LAYERS];
   static eda_edges edges[LAYERS];
   static eda_fragment fragments[10];
-  static eda_point large[10]; /* on a grid of 1 nm */
+  static eda_point large[10]; /* coordinates on a grid of 1 nm */
   static eda_gates g;
   g = *eda_gates_sample();
   memcpy(drawn, g.drawn, METAL * sizeof *drawn);
@@ -421,7 +424,8 @@ static const eda_gates *stack(void) {
   return &g;
 }
 
-/* A synthesizer of transistors that finishes after this many displacements. */
+/* Number of displacements after which the synthesizer of transistors
+   finishes. */
 static int moves_left, mover_updates;
 
 static int move_gates(void *self, const eda_feedback *f, eda_moves *m,
@@ -477,13 +481,14 @@ static size_t differences(const eda_shapes *a, const eda_shapes *b) {
   return n;
 }
 
-/* Metal layers are corrected by their own synthesizer, without effect on the
-   transistors; without a synthesizer they stay as drawn. */
+/* Metal layers are corrected by a synthesizer of their own, without effect on
+   the transistors. Without such a synthesizer, they stay as drawn. */
 static void test_edges(void) {
   loop with, without;
   g_assert_cmpint(run_stack(&without, 0, NULL), ==, OPC_OK);
   g_assert_cmpint(mover_updates, ==, 2);
-  /* All layers once, poly and active again for both displacements. */
+  /* Expect one simulation of each layer, and another one of poly and active
+     after each of two displacements. */
   g_assert_cmpuint(without.printer.simulations, ==, LAYERS + 2 * 2);
   for (int k = METAL; k < LAYERS; k++)
     g_assert_cmpuint(differences(&without.mask[k], &without.gates->drawn[k]),
@@ -508,8 +513,8 @@ static void test_edges(void) {
   correct_loop_clear(&without);
 }
 
-/* A shape added to such a layer waits for the layer's synthesizer, as in poly,
-   and does not affect the other synthesizer. */
+/* A shape added to a metal layer requires another call of the synthesizer of
+   that layer, as in poly. The other synthesizer is not affected. */
 static const eda_box metal_added = {-20, 180, 30, 220};
 
 static int rule_metal(void *self, const eda_printed *p, eda_ruling *r,
@@ -542,7 +547,7 @@ static void test_edges_ruled(void) {
 
 /* ---- report ---- */
 
-/* Without transistors there are no figures of performance. */
+/* Without transistors, no figures of performance are reported. */
 static void test_report(void) {
   loop l;
   opc_error error = {0};

@@ -90,9 +90,9 @@ static int model_image(const void *self, int layer, const eda_spectrum *mask,
   return eda_coherent_sum(NULL, mask, &kernels, 0, out, error);
 }
 
-/* The accurate model adds a wave across the frame, of height fine_adds[n] for
-   accurate simulation n of poly, fine_adds[0] for any of active, and half of
-   the height everywhere. */
+/* The accurate model adds a wave across the frame, The wave has the height
+   fine_adds[n] in accurate simulation n of poly, and fine_adds[0] in each
+   accurate simulation of active. Half of the height is added everywhere. */
 enum { FINE_PRINTS = 8 };
 static double fine_adds[FINE_PRINTS];
 static int fine_prints[2];                   /* poly and active */

@@ -13,7 +13,10 @@
 
 #include <correct/settings.h>
 
-enum { SHORT_TABLE = 24 }; /* largest number of rows that are printed */
+enum {
+  SHORT_TABLE = 24
+}; /* largest number of rows of a table that is
+      printed */
 
 /* ---- statistics ---- */
 
@@ -158,8 +161,8 @@ int correct_history_report(const history *h, const opc_host *host,
 
 /* ---- tables ---- */
 
-/* Findings on a printed transistor: first failures by severity, then remarks.
- */
+/* Findings on a printed transistor: failures in the order of severity, then
+   remarks. */
 static const struct {
   uint32_t flag;
   const char *name;
@@ -216,8 +219,8 @@ typedef struct gate_row {
   double mask_l, mask_w, mask_jog, end[2], extension[2];
 } gate_row;
 
-/* Return the Ion deviation of a gate minus its Ion deviation in the correction
-   loop, %. */
+/* Return the Ion deviation of a gate in the reported mask minus that in the
+   correction loop, %. */
 static double gate_change(const report *r, size_t i) {
   const eda_mask *m = r->mask, *c = r->corrected;
   if (gate_failed(m->flags, i) || gate_failed(c->flags, i)) return NAN;
@@ -225,8 +228,8 @@ static double gate_change(const report *r, size_t i) {
          eda_deviation(c->after.ion[i], c->design.ion[i]);
 }
 
-/* Set *verdict to a failure, to the guard's verdict, to a remark on the
-   figures, or else to the synthesizer's verdict. */
+/* Set *verdict to the first that exists: a failure, the guard's verdict, a
+   remark on the figures, the synthesizer's verdict. */
 static int verdict_of(const opc_context *context, const report *r, size_t gate,
                       const char **verdict, opc_error *error) {
   *verdict = gate_failed(r->mask->flags, gate)          ? "does not print"

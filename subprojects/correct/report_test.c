@@ -7,8 +7,8 @@
 #include <correct/rules.h>
 #include <string.h>
 
-/* Statistics of the deviations +1, +3 and one transistor that does not print,
-   by hand. */
+/* Computes by hand the statistics of the deviations +1, +3 and of one
+   transistor that does not print. */
 static void test_statistics(void) {
   double one[] = {1, 1, 1}, ion[] = {1.01, 1.03, 0}, ioff[] = {0.6, 1.2, 0},
          area[] = {0.98, 1.04, 0};
@@ -58,8 +58,8 @@ static int skip_table(const opc_host *h, const char *name, uint32_t flags,
   return OPC_OK;
 }
 
-/* Rules with more violations than in the drawn layout are added up and named; a
-   rule with fewer does not compensate for them. */
+/* Rules with more violations than in the drawn layout are summed and named. A
+   rule with fewer violations does not reduce the sum. */
 static void test_rules(void) {
   const opc_host host = {
       .log = keep_finding, .table = skip_table, .metric = keep_added};

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Counts mask rule violations and finds the worst violation of each rule. */
+/* Implements the count of mask rule violations and the search for the worst
+   violation of each rule. */
 #include <correct/rules.h>
 
 #include <eda/memory.h>
@@ -35,7 +36,8 @@ static void count_layer(const eda_gates *g, size_t layer,
 }
 
 /* Log the rules that the mask violates and the places of the worst violations.
-   Log a finding if the mask violates any rule more often than the layout. */
+   The message is a finding if the mask violates any rule more often than the
+   drawn layout. */
 static void table_findings(const opc_host *host, const rules_row *rows,
                            size_t n, double added) {
   g_autoptr(GString) text = g_string_new(NULL);
@@ -85,7 +87,8 @@ int correct_rules_table(const opc_host *host, const rules_row *rows, size_t n,
   return opc_put_metrics(host, OPC_ARRAY(values), error);
 }
 
-/* Rows of each corrected layer, computed in parallel. */
+/* State of the counting of rows, computed in parallel for all corrected
+   layers. */
 typedef struct counting {
   const eda_gates *gates;
   const eda_shapes *mask;

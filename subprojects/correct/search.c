@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the model-based placement of assist features (search.h). The map
-   is the derivative of the area of the process variability band by the mask
-   transmission. */
+   contains, for each position, the derivative of the area of the process
+   variability band by the mask transmission. */
 #include <correct/search.h>
 
 #include <math.h>
@@ -12,16 +12,17 @@
 /* Grid of the map and of scatter bar positions, nm. */
 static const double map_step = 8;
 
-/* Steepness of the printed area's transition at a contour, 1 / intensity.
-   Contours have a slope of 0.002 / nm, so the transition spans several steps of
-   the map. */
+/* Steepness of the smooth step (logistic function) that replaces the threshold
+   when the printed area is computed, 1 / intensity. Contours have a slope of
+   0.002 / nm, so the transition spans several steps of the map. */
 static const double steepness = 150;
 
-/* Reduction of a printing bar's width per iteration, nm at each side. */
+/* Reduction of the width of a printing scatter bar per iteration, nm at each
+   side. */
 static const double thinner = 2;
 
-/* Iterations of hold_contour. Over ten clips, the band is 1.4 % wider with 2
-   iterations and 4 % wider without an iteration. */
+/* Number of iterations of hold_contour. Over ten clips, the band is 1.4 % wider
+   with 2 iterations and 4 % wider without iterations. */
 static const int settles = 4;
 
 static void search_show(loop *l) {
@@ -55,8 +56,8 @@ static size_t field_nodes(const eda_field *f) {
   return (size_t)f->nx * (size_t)f->ny;
 }
 
-/* Set the weights near scatter bars to 0; eda_srafs_narrow checks whether they
-   print. */
+/* Set the weights near scatter bars to 0, because eda_srafs_narrow checks
+   separately whether scatter bars print. */
 static void leave_out_srafs(const loop *l, eda_field *f) {
   const eda_frame *r = &f->frame;
   double dx = r->width / f->nx, dy = r->height / f->ny, g = l->gates->grid;
@@ -94,8 +95,8 @@ static int mask_gradient(const loop *l, const eda_spectrum *mask,
   return m->functions.gradient(m, EDA_POLY, mask, defocus, weight, out, error);
 }
 
-/* Compute the derivative, by the mask transmission, of the area within one
-   contour of the band, at a defocus (nm) and a dose factor. */
+/* Compute the derivative of the area within one contour of the band by the mask
+   transmission. The contour is that at a defocus (nm) and a dose factor. */
 static int find_border(const loop *l, const eda_spectrum *mask, double defocus,
                        double dose, eda_field *out, opc_error *error) {
   const eda_model *m = &l->printer.litho;
@@ -116,8 +117,8 @@ static int find_border(const loop *l, const eda_spectrum *mask, double defocus,
 
 /* Compute the derivative of the band's area, the difference of the areas within
    two contours. The area grows with intensity for bright features and shrinks
-   for dark features. For dark features, the lower dose has the larger contour,
-   and the difference is the same. */
+   for dark features. For dark features, the contour at the lower dose is the
+   larger one, so the same difference applies. */
 static int find_band(const loop *l, const eda_spectrum *mask, eda_field *out,
                      opc_error *error) {
   double dose = l->search.dose / 100;
@@ -131,9 +132,10 @@ static int find_band(const loop *l, const eda_spectrum *mask, eda_field *out,
   return code;
 }
 
-/* Constrain the map to a fixed nominal contour: the map must be 0 for the
-   displacements of feature edges that compensate a bar's effect on the contour.
-   Richardson's iteration computes `push`, the weight of the displacements. */
+/* Constrain the map to a fixed nominal contour. Feature edges are displaced to
+   compensate for the effect of a scatter bar on the nominal contour; subtract
+   the effect of these displacements from the map. Richardson's iteration
+   computes `push`, the weight of the displacements. */
 static int hold_contour(const loop *l, const eda_spectrum *mask, eda_field *map,
                         opc_error *error) {
   eda_field edge = eda_field_scaled(&l->printer.print[EDA_POLY], 1);

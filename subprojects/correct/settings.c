@@ -23,9 +23,11 @@ int correct_settings_check(correct_settings *with, const opc_host *host,
 /* Measured constants of the forecast of memory (plugins/correct/README.md),
    bytes. */
 static const struct {
-  double start, start_fine; /* libraries and kernels */
-  double gate, fragments;   /* a transistor, and its fragments of edges */
-  double prints;            /* number of level sets in addition to the last */
+  double start, start_fine; /* memory of libraries and kernels */
+  double gate, fragments;   /* memory of a transistor, and of its edge
+                               fragments */
+  double prints;            /* number of stored level sets in addition to the
+                               last one */
 } memory = {16e6, 30e6, 12e3, 17e3, 2};
 
 void correct_forecast(const correct_settings *with, const opc_host *host,
@@ -129,7 +131,7 @@ int correct_print(const correct_settings *with, const opc_host *host, int sized,
 
 /* ---- rules of the print ---- */
 
-/* Initial capacity for violations, rarely exceeded. */
+/* Initial capacity of the list of violations, rarely exceeded. */
 enum { CAPACITY = 10000, CAPACITY_OF_GATE = 16 };
 
 int correct_violations(const opc_context *context, const opc_module *regulator,

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements edge placement errors: distances from each fragment's site along
    its normal to the printed edge. The search runs outwards if the site prints,
-   else inwards, so that edges of neighbouring shapes are not found. */
+   otherwise inwards, so that the search does not find edges of neighbouring
+   shapes. */
 #include <correct/sites.h>
 
 #include <eda/memory.h>

@@ -31,7 +31,8 @@ static void test_sites(void) {
       {90, {400, 600}, {-10, -10}},
       {199, {400, 600}, {99, 99}},
       {201, {400, 600}, {NAN, NAN}},
-      /* Just outside of the print, near its edge; far inside. */
+      /* One site is just outside of the printed strip, near its edge; the other
+         is far inside. */
       {103, {360, 640}, {-37, -37}},
       {103, {460, 560}, {63, 43}},
   };

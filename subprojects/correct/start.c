@@ -31,7 +31,8 @@ int correct_start_check(const loop_start *s, const eda_gates *gates,
   if (s->mask && !s->mask->moved)
     return opc_fail(error, OPC_INVALID, "start",
                     "the mask has no displacements of transistors from their "
-                    "drawn edges: use a mask of the step correct");
+                    "drawn edges: expected a mask of the step 'correct' or "
+                    "'library.place'");
   return OPC_OK;
 }
 
@@ -51,8 +52,8 @@ int correct_start_hold(loop *l, opc_error *error) {
   return l->host->metric(l->host, "refined", (double)refined, error);
 }
 
-/* Half size of the window around a violation, nm; repairs of regulator.drc are
-   nearer to the violation. */
+/* Half size of the window around a violation, nm; larger than the distance of
+   regulator.drc's repairs from the violation. */
 static const double beside = 150;
 
 void correct_start_prune(loop *l) {
@@ -106,8 +107,8 @@ static eda_box_list copy_of(eda_boxes from) {
   return to;
 }
 
-/* eda_moved represents neither displacements added to a base, nor displacements
-   of fragments, nor scatter bars. */
+/* Return NULL for displacements relative to a start, displacements of
+   fragments, and scatter bars, because eda_moved cannot represent them. */
 eda_moved *correct_moved_of(const loop *l) {
   size_t n = l->gates->count, layers = l->gates->layers;
   const trial *t = &l->now;

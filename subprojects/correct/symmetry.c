@@ -8,8 +8,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Tolerance of intensity, clear field 1; below the error of optical models and
-   above rounding errors. */
+/* Tolerance of intensity, clear field 1; between rounding errors and the error
+   of optical models. */
 static const double same_part = 1e-4;
 
 /* A shape without symmetry, nm, in a square frame; the size of the frame is the
@@ -83,8 +83,8 @@ static int orientations_of_layer(const opc_context *context,
                                  const opc_module *litho, int layer,
                                  int *orientations, opc_error *error) {
   enum { N = ACROSS * ACROSS };
-  double first[N], other[N], worst[2] = {0}; /* without and with exchange of x
-                                                and y */
+  double first[N], other[N], worst[2] = {0}; /* orientations without and with an
+                                                exchange of x and y */
   int code = image_sample(context, litho, layer, 0, first, error);
   for (int orientation = 1; orientation < ALL && !code; orientation++) {
     double *most = &worst[orientation >= SWAPPED];
@@ -98,7 +98,7 @@ static int orientations_of_layer(const opc_context *context,
   return code;
 }
 
-/* Sets *orientations to the smaller of the numbers for poly and active. */
+/* Set *orientations to the smaller one of the numbers for poly and active. */
 int correct_symmetry_find(const opc_context *context, const opc_module *litho,
                           int *orientations, opc_error *error) {
   int poly, active;

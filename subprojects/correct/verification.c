@@ -14,12 +14,13 @@
 static const struct {
   double part, edge;
 } tuned = {
-    /* Largest mean |change of Ion| by an accurate simulation, as a fraction of
-       `ion_limit`; equal to the error of the accurate model. A larger change
-       means that the loop corrected figures that differ from the result. */
+    /* Largest mean |difference of Ion| between the accurate and the fast
+       simulation, as a fraction of `ion_limit`; equal to the error of the
+       accurate model. A larger change means that the loop corrected figures
+       that differ from the result. */
     .part = 0.1,
 
-    /* Largest difference of a printed edge position, in grid steps, that does
+    /* Largest difference of a printed edge position, in grid steps, that would
        not change the displacement of a fragment. */
     .edge = 0.5,
 };
@@ -116,8 +117,8 @@ int correct_verification_is_due(const loop *l) {
 
 /* ---- the end ---- */
 
-/* Figures of one simulation. `off`: |Ion deviation| from the target; `ion`: Ion
-   deviation from the drawn Ion. */
+/* The figures of one simulation. `off`: |Ion deviation| from the target; `ion`:
+   Ion deviation from the drawn Ion. */
 typedef struct seen {
   double *off, *ion; /* [gates], % */
   double **epe;      /* [layers][sites], nm */
@@ -146,8 +147,10 @@ static void seen_clear(const loop *l, seen *s) {
   free(s->off);
 }
 
-/* Return 0 if a transistor exceeds the limit only in the accurate simulation,
-   if a transistor no longer prints, or if the mean change is too large. */
+/* Return 0 if the mean change of Ion from the fast simulation (`before`) to the
+   accurate simulation (`now`) is too large. Also return 0 if a transistor
+   within the limit in the fast simulation exceeds the limit or does not print
+   in the accurate one. */
 static int transistors_hold(const loop *l, const seen *before,
                             const seen *now) {
   double sum = 0, most = 0, count = 0;

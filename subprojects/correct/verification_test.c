@@ -8,12 +8,14 @@
 /* ---- a synthesizer with the drawn Ion as target ---- */
 
 typedef struct mover {
-  int32_t spoil; /* bias of transistor 1, instead of the correct one */
+  int32_t spoil; /* wrong bias that transistor 1 gets instead of the correct
+                    bias */
 } mover;
 
 static int begin_moves(void *self, const eda_feedback *f, opc_error *error) {
   (void)self, (void)error;
-  g_assert_cmpfloat(*f->ion_limit, ==, 3); /* limit of the loop */
+  g_assert_cmpfloat(*f->ion_limit, ==, 3); /* the limit of the loop is passed
+                                              on */
   return OPC_OK;
 }
 
@@ -58,8 +60,8 @@ static void let_add(size_t n, const double *heights) {
           (const double[]){__VA_ARGS__})
 
 static const opc_module *regulator;
-static double aim; /* standard deviation of Ion by accurate simulations, %; 0:
-                      error `fine` */
+static double aim; /* standard deviation of Ion that accurate simulations may
+                      cause, %; 0: the error is `fine` */
 
 static int try_to_run(loop *l, const eda_litho *model, double fine,
                       int32_t spoil, int64_t iterations, opc_error *error) {
@@ -90,7 +92,7 @@ static void run_step(loop *l, const eda_litho *model, double fine,
 /* ---- the truth ---- */
 
 /* Measure Ion of a mask by the model that adds `height` to poly, with an
-   independent printer whose level sets are less by the wave. */
+   independent printer, whose level sets are reduced by the wave. */
 static void measure_truth(const loop *l, const eda_shapes *mask, double height,
                           double *ion) {
   opc_error error = {0};
@@ -121,7 +123,8 @@ static double deviation_of(const loop *l, const double *ion, size_t i) {
   return fabs(eda_deviation(ion[i], l->design.ion[i]));
 }
 
-/* Check that the figures belong to one model and to no other. */
+/* Check that the figures equal those of the model with `height`, and differ
+   from those with `other`. */
 static void expect_result(const loop *l, double height, double other) {
   double fine[2], cheap[2];
   measure_truth(l, l->mask, height, fine);
@@ -137,9 +140,9 @@ static void expect_result(const loop *l, double height, double other) {
 
 /* ---- the tests ---- */
 
-/* One accurate simulation after the first displacements and one at the end. A
-   layer without displacements requires the first one only. The figures of the
-   drawn mask are accurate, too. */
+/* There is one accurate simulation after the first displacements and one at the
+   end. A layer without displacements requires the first one only. The figures
+   of the drawn mask are accurate, too. */
 static void test_end(void) {
   loop l;
   double before[2];
@@ -149,7 +152,8 @@ static void test_end(void) {
   g_assert_cmpint(fine_prints[EDA_POLY], ==, 2);
   g_assert_cmpint(fine_prints[EDA_ACTIVE], ==, 1);
   g_assert_cmpuint(l.printer.fine_simulations, ==, 3);
-  /* One line for each mask: the drawn mask, the first displaced mask ... */
+  /* The history has one line for each mask: the drawn mask, the first displaced
+     mask and so on. */
   const history_line *line = l.history.line, *last = line + l.history.count - 1;
   g_assert_cmpuint(l.history.count, ==, l.printer.simulations - 1);
   for (size_t i = 0; i < l.history.count; i++)
@@ -170,7 +174,8 @@ static void test_end(void) {
 /* Return the sensitivity of Ion, % per clear field, of a gate of this length or
    width in nm. An edge of one Gaussian kernel prints where the amplitude, a
    normal distribution of `s` nm, is the root of the threshold. The displacement
-   is the change of intensity over the slope of the intensity there. */
+   of the edge is the change of intensity divided by the slope of the intensity
+   at the edge. */
 static double sensitivity_of(double size) {
   const double s = cut_off / G_PI / sqrt(2), z = 0.754089, a = sqrt(0.6);
   double slope = 2 * a * exp(-z * z / 2) / sqrt(2 * G_PI) / s;
@@ -189,8 +194,8 @@ static void test_how_fine(void) {
   g_assert_cmpint(eda_printer_prepare(&p, &error), ==, OPC_OK);
   g_assert_cmpint(eda_printer_print(&p, g->corrected, g->drawn, &error), ==,
                   OPC_OK);
-  /* Standard deviation of an error: a quarter of the largest. The narrower gate
-     counts. */
+  /* The standard deviation of an error is a quarter of the largest error. The
+     narrower gate determines the error. */
   double poly = sensitivity_of(60) / 4, active = sensitivity_of(200) / 4;
   const struct {
     double change;
@@ -211,8 +216,8 @@ static void test_how_fine(void) {
       g_assert_cmpfloat(p.fine_of[k], ==, cases[i].fine[k]);
   }
   eda_printer_clear(&p);
-  /* An error in the flow holds for all layers; without one, each layer has its
-     own. */
+  /* An error that the flow sets applies to all layers. Otherwise each layer has
+     an error of its own. */
   g_assert_cmpfloat(correct_fine_change("1e-4", 0.5), ==, 0);
   g_assert_cmpfloat(correct_fine_change("off", 0.5), ==, 0);
   g_assert_cmpfloat(correct_fine_change(NULL, 0.5), ==, 0.02);
@@ -248,7 +253,8 @@ static void test_goes_on(void) {
   g_assert_cmpuint(l.iterations, >, without.iterations);
   correct_loop_clear(&without);
   g_assert_cmpint(warnings, ==, 0);
-  /* A mask without further displacements is reported as it is. */
+  /* If no displacement follows, the mask is reported without another
+     iteration. */
   ADD(0.02, 0.25);
   run_step(&without, &with_fine, fine_is, 0, 2);
   correct_loop_clear(&l);
@@ -257,7 +263,8 @@ static void test_goes_on(void) {
   correct_loop_clear(&without);
 }
 
-/* If the accurate model never agrees, the loop ends. */
+/* If the accurate and the fast model never agree, the loop ends after the
+   largest number of verifications. */
 static void test_bound(void) {
   loop l;
   ADD(0.02, 0.25, 0.02, 0.25, 0.02, 0.25);
@@ -267,9 +274,9 @@ static void test_bound(void) {
   correct_loop_clear(&l);
 }
 
-/* A regulator that reports a violation from a given accurate simulation
-   onwards, until it has displaced a line end; or that displaces the line end
-   after each simulation without effect. */
+/* Behaviours of a regulator. It reports a violation from a given accurate
+   simulation onwards, until it has displaced a line end; or it displaces the
+   line end after each simulation without effect. */
 enum { STAYS, MENDS, TRIES };
 static struct {
   const char *rule;
@@ -324,7 +331,7 @@ static void test_rules(void) {
   }
 }
 
-/* Without displacements, the drawn mask is verified. */
+/* If no edge is displaced, the drawn mask is verified. */
 static void test_drawn(void) {
   loop l;
   ADD(0.03);
@@ -349,8 +356,9 @@ static void test_guard(void) {
   correct_loop_clear(&l);
 }
 
-/* The drawn mask, restored for a transistor, is slightly worse than predicted
-   by the first difference: not a fault of a rule or neighbour. */
+/* The mask of a transistor reverted to drawn is slightly worse than the first
+   difference predicts. This is not reported as a fault of a rule or a
+   neighbour. */
 static void test_margin(void) {
   loop l;
   ADD(0.03, 0.027);
@@ -364,8 +372,8 @@ static void test_margin(void) {
   correct_loop_clear(&l);
 }
 
-/* Accurate images, or fast ones after the first accurate one, have a grid of
-   their own. */
+/* Accurate images, or fast images after the first accurate image, have a
+   different sampling grid. */
 static int was_fine;
 
 static int image_elsewhere(const void *self, int layer,
@@ -423,8 +431,8 @@ static void test_none(void) {
   }
 }
 
-/* The resist is calibrated with the error of accurate simulations, or with a
-   smaller error if the resist requires it. */
+/* The resist is calibrated with the image error of accurate simulations, or
+   with a smaller error if the resist requires a smaller one. */
 static double asked, given;
 
 static int image_given(const void *self, int layer, const eda_spectrum *mask,

@@ -2,9 +2,9 @@
 /* Implements the step `correct.chip`, the correction of a layout of any size by
    equivalence classes. Transistors are found window by window. One transistor
    of each class of equal drawn environments is corrected, and all transistors
-   of the class receive its mask. One transistor of each class of equal masked
-   environments is simulated. If the |Ion deviation| exceeds the limit, that
-   transistor is corrected individually. */
+   of the class receive its mask. Then one transistor of each class of equal
+   masked environments is simulated. If its |Ion deviation| exceeds a part of
+   the limit, the transistors of that class receive a mask of their own. */
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <math.h>
@@ -23,17 +23,18 @@ static const struct {
   double radius_error, radius, gap;
   const char *margin;
 } tuned = {
-    /* Shapes beyond the radius change an image by less than this error (clear
-       field: 1; eda_margin). The radius is 1.04 um at 193 nm, NA 0.75, sigma
-       0.75, and .radius, nm, for models of unknown bandwidth. The verification
-       measures the remaining error. */
+    /* The default of `radius` is the distance beyond which shapes change an
+       image by less than this error (clear field 1; eda_margin): 1.04 um at 193
+       nm, NA 0.75, sigma 0.75, The constant `radius`, nm, is the default for
+       models of unknown bandwidth. The verification measures the remaining
+       error. */
     .radius_error = 1e-3,
     .radius = 1000,
 
-    /* Margin without accurate simulations. Beyond the margin, shapes are
-       omitted, although the field is not clear. At 193 nm, NA 0.75, the largest
-       error of Ion in an SRAM of 44 transistors is 1.5 % for 1 um, 0.25 % for
-       2 um (this value) and 0.11 % for 4 um. */
+    /* Default of `margin`, nm, without accurate simulations. Shapes beyond the
+       margin are omitted and treated as clear field. At 193 nm, NA 0.75, the
+       largest error of Ion in an SRAM of 44 transistors is 1.5 % for 1 um, 0.25
+       % for 2 um (this value) and 0.11 % for 4 um. */
     .margin = "7.772 lambda/NA",
 
     /* Distance of two clips on a sheet, nm; larger than any mask rule. */
@@ -63,8 +64,8 @@ void work_progress(const work *w, double part) {
   w->host->progress(w->host, &at);
 }
 
-/* Return the key of a stored result within a step. Earlier rounds include all
-   other dependencies. */
+/* Return the key of a stored result within a step. The other dependencies of
+   the result are in the results of earlier rounds. */
 static const char *sheets_key(void *data, size_t i) {
   sheets *s = data;
   g_free(s->key);
@@ -236,8 +237,8 @@ static int chip_prepare(const chip *c, const eda_gates *g, opc_error *error) {
                                       error);
 }
 
-/* Read the layers from an empty window; the layers of all windows are equal. If
-   `prepare` is 1, prepare the models. */
+/* Read the layers from an empty window, because the layers of all windows are
+   equal. `prepare`: 1: prepare the models. */
 static int chip_begin(const chip *c, eda_chip *out, int prepare,
                       opc_error *error) {
   static const eda_box nowhere = {0, 0, 1, 1};
@@ -263,7 +264,7 @@ static int find_symmetry(work *w, opc_error *error) {
   if (w->orientations < 8)
     w->host->log(
         w->host, OPC_LOG_INFO,
-        "the optics have equal images of %d of 8 orientations of a transistor",
+        "the optics image %d of 8 orientations of a transistor equally",
         w->orientations);
   return OPC_OK;
 }
@@ -282,7 +283,8 @@ static int chip_run(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
-/* Make a chip with its layers and without transistors. */
+/* Make a chip with its layers but without transistors, for the forecast of
+   later steps. */
 static int chip_sketch(void *self, void **outputs, opc_error *error) {
   eda_chip *out = eda_alloc(1, sizeof *out);
   outputs[0] = out;
@@ -322,21 +324,22 @@ static const opc_parameter parameters[] = {
         .preset = "60 um", .min = 1000,
         .summary =
             "Side of a window; larger windows take more memory and less time"),
-    OPC_PARAMETER(chip, rounds, .type = OPC_INT,
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "2", .min = 0,
-                  .max = 20,
-                  .summary = "Largest number of rounds in which transistors "
-                             "beyond 'ion_limit' are corrected again"),
+    OPC_PARAMETER(
+        chip, rounds, .type = OPC_INT, .flags = OPC_AT_LEAST | OPC_AT_MOST,
+        .preset = "2", .min = 0, .max = 20,
+        .summary = "Largest number of rounds in which groups of transistors "
+                   "above half of 'ion_limit' are corrected again"),
     CORRECT_FINE(chip),
     CORRECT_GUARD(chip),
     CORRECT_ION_LIMIT(chip,
-                      "Largest allowed |Ion deviation|: a transistor above the "
-                      "limit is corrected individually"),
+                      "Largest allowed |Ion deviation|; groups of transistors "
+                      "above half of the limit are corrected individually"),
     RULES_PARAMETERS(chip),
 };
 
 static const opc_metric metrics[] = {
-    {"transistors", NULL, OPC_NEUTRAL, 0, "number of corrected transistors"},
+    {"transistors", NULL, OPC_NEUTRAL, 0,
+     "number of transistors of the layout"},
     {"windows", NULL, OPC_NEUTRAL, 0, "number of windows"},
     {"classes", NULL, OPC_LOWER, 0,
      "different drawn environments within 'radius'"},
@@ -344,8 +347,9 @@ static const opc_metric metrics[] = {
      "different masked environments within 'margin', equal to the number of "
      "verified transistors"},
     {"refined", NULL, OPC_LOWER, 0,
-     "transistors corrected individually after a verification"},
-    {"sheets", NULL, OPC_LOWER, 0, "sheets that were corrected or simulated"},
+     "groups of transistors corrected individually after a verification"},
+    {"sheets", NULL, OPC_LOWER, 0,
+     "number of sheets that were corrected or simulated"},
     REPORT_METRICS,
     REPORT_DRAWN_METRICS,
     {"simulations", NULL, OPC_LOWER, 0,

@@ -60,7 +60,7 @@ static void place_sample(const drawing *d, int32_t x, int32_t y, int mirror,
       eda_layout_add_instance(d->layout, d->top, d->cell, &p, NULL, &error));
 }
 
-/* Return a layout with all eight orientations, then some more in a row. */
+/* Return a layout with all eight orientations, then several more in a row. */
 static drawing eight_orientations(void) {
   drawing d = drawing_new();
   for (int k = 0; k < 8; k++)
@@ -133,7 +133,8 @@ static eda_gates *flat(const drawing *d) {
   return g;
 }
 
-/* Build the mask of all gates from a chip's displacements, as a layout. */
+/* Return the mask of all gates, built from a chip's displacements, as a
+   layout. */
 static eda_layout *mask_of(const eda_chip *chip, const eda_gates *g) {
   opc_error error = {0};
   eda_layout *out = eda_layout_new(1, &error);
@@ -211,8 +212,8 @@ static size_t classes_with(int32_t x, const char *layer) {
   return classes;
 }
 
-/* A marker over one of the copies: its transistors have another flavour than
-   the transistors of equal environments, and no device table. */
+/* A marker covers one of the copies: the transistors of this copy have another
+   flavour than the transistors in equal environments, and no device table. */
 static void test_flavours(void) {
   drawing d = eight_orientations();
   box(&d, d.top, "LVTN", -100, 8900, 1000, 9500);
@@ -238,8 +239,8 @@ static void test_flavours(void) {
   eda_layout_free(d.layout);
 }
 
-/* A shape beside one of the copies: within the radius of the copy's first
-   transistor (at x 150), beyond the radius of all transistors, and in an unused
+/* A shape beside one of the copies is within the radius of the copy's first
+   transistor (at x 150), beyond the radius of all transistors, or in an unused
    layer. */
 static void test_radius(void) {
   g_assert_cmpuint(classes_with(0, NULL), ==, 2);
@@ -249,8 +250,8 @@ static void test_radius(void) {
   g_assert_cmpuint(classes_with(-300, "metal1"), ==, 2);
 }
 
-/* Return the displacements of the row of copies, and *odd: the largest |Ion
-   deviation| of the others, %. */
+/* Return the displacements of one transistor in the row of copies. *odd
+   receives the largest |Ion deviation| of the other copies, %. */
 static eda_moved *row_moved(const drawing *d, const drawing *row, int rounds,
                             double *odd) {
   g_autofree char *more =
@@ -271,8 +272,9 @@ static eda_moved *row_moved(const drawing *d, const drawing *row, int rounds,
   return moved;
 }
 
-/* A jog of 1 nm has a length of up to 400 nm here; one that differs by 20 nm
-   changes the mean length by 0.05 nm. */
+/* Check that two masks are equal within the tolerance of a jog. A jog of 1 nm
+   is up to 400 nm long here; a jog whose length differs by 20 nm changes the
+   mean length by 0.05 nm. */
 static void expect_same(const eda_moved *a, const eda_moved *b) {
   size_t size = a->gates * sizeof *a->l;
   g_assert_cmpmem(a->l, size, b->l, size);
@@ -284,8 +286,8 @@ static void expect_same(const eda_moved *a, const eda_moved *b) {
 }
 
 /* A copy with a neighbour beyond the radius is the lowest member of its class.
-   The others have the mask that they have without this copy, which receives a
-   mask of its own only when its deviation has been found. */
+   The other members receive the same mask as in a row without this copy. The
+   copy receives a mask of its own once its deviation has been found. */
 static void test_representatives(void) {
   double none, before, after;
   drawing row = drawing_new(), odd = drawing_new();
@@ -355,8 +357,8 @@ static eda_layout *read_sram(opc_module **reader) {
   ", regulator: { use: regulator.drc, min_extension: 30 nm, " \
   "want_extension: 60 nm }"
 
-/* As accurate as the flat correction for all window sizes, and as accurate as
-   reported. */
+/* For all window sizes, the chip is as accurate as the flat correction, and as
+   accurate as its reported figures. */
 static void test_sram(void) {
   static const char *const windows[] = {"60 um", "1200 nm"};
   opc_module *reader;
@@ -377,8 +379,8 @@ static void test_sram(void) {
                    opc_test_metric("ion_mean"), opc_test_metric("ion_max"),
                    opc_test_metric("classes"));
     g_assert_cmpuint(chip->count, ==, g->count);
-    /* Twenty classes, each within the quantum of the grid, which is random:
-       thresholds that differ by 5e-5 gave 0.065, 0.076 and 0.087. */
+    /* The mean over twenty classes depends on random rounding to the grid:
+       thresholds that differ by 5e-5 result in 0.065, 0.076 and 0.087. */
     g_assert_cmpfloat(opc_test_metric("ion_mean"), <, mean + 0.1);
     g_assert_cmpfloat(opc_test_metric("ion_max"), <, fmax(worst, 0.5));
     g_assert_true(opc_test_metric("worse") == 0);
@@ -400,8 +402,9 @@ static const char *const counts[] = {
     "mask_width",      "mask_edge",
     "mask_jog",        "mask_violations_added"};
 
-/* Narrow gaps and lines in each copy: all are reported in any orientation, as
-   many as in a flat layout, in one row for each rule. */
+/* Each copy has narrow gaps and lines. The report counts as many of them as the
+   report of the flat layout, in any orientation and in one row for each
+   rule. */
 static void test_faults(void) {
   const char *drawn = CHEAP REGULATOR ", max_iterations: 0";
   double all[G_N_ELEMENTS(counts)];
@@ -432,7 +435,8 @@ static void test_faults(void) {
   eda_layout_free(d.layout);
 }
 
-/* Added shapes stay where the environments of a class are equal. */
+/* Check that added shapes are only where the environments of a class are
+   equal. */
 static void expect_boxes_within(const eda_chip *c, int32_t radius) {
   g_assert_cmpuint(c->boxes, >, 0);
   for (size_t i = 0; i < c->count; i++) {
@@ -447,10 +451,10 @@ static void expect_boxes_within(const eda_chip *c, int32_t radius) {
   }
 }
 
-/* A contact between two equal transistors at the same distance from both, and a
-   strip below with contacts. The left neighbours of the two differ, so that the
-   right one is the representative. The masks repair all contacts, as in a flat
-   layout. */
+/* A contact is between two equal transistors at the same distance from both; a
+   strip with contacts is below. The left neighbours of the two transistors
+   differ, so the right transistor is the representative. The masks repair all
+   contacts, as in a flat layout. */
 static void test_ties(void) {
   drawing d = drawing_new();
   box(&d, d.top, "active", -4500, -400, 22500, -310);

@@ -12,18 +12,19 @@
 
 typedef struct correction {
   sheets on;            /* transistors to correct */
-  const uint32_t *wide; /* [prints], 1 + place of the print's representative; 0:
-                           transistors keep the masks of the chip; NULL: none
-                           does */
+  const uint32_t *wide; /* [prints], 1 + place of the print's representative, 0:
+                           the print's transistors keep the masks of the chip;
+                           NULL: correction of classes, in which no transistor
+                           keeps a mask */
   uint32_t *mask;       /* [count], new masks */
 } correction;
 
 /* Record of a corrected transistor, followed by its parts and boxes. */
 typedef struct corrected {
-  uint32_t place, unused; /* fills the record */
+  uint32_t place, unused; /* unused: explicit padding */
   eda_chip_mask mask;
   drawn_print before;
-  double off; /* |Ion deviation| with that mask, %; INFINITY: none */
+  double off; /* |Ion deviation| with `mask`, %; INFINITY: none */
 } corrected;
 
 /* Header of a sheet's records. */
@@ -33,8 +34,11 @@ typedef struct head {
 
 /* ---- start of the loop ---- */
 
-/* Return the masks of a sheet; transistors to correct are as drawn.
-   Neighbours of split prints are corrected together. The loop frees *still. */
+/* Return the masks from which the loop on a sheet starts: the masks of the
+   chip, but drawn edges for the transistors to correct. These are the
+   transistors within the radius of which all transistors belong to split
+   prints. *still receives 1 for all other transistors; the loop frees
+   *still. */
 static eda_mask *fixed_masks(const correction *m, const sheet *s,
                              uint8_t **still) {
   const work *w = m->on.work;
@@ -63,11 +67,13 @@ static double gate_deviation(const loop *l, size_t i) {
   return fabs(eda_deviation(l->measured.performance.ion[i], l->design.ion[i]));
 }
 
-/* Added shapes and cut-outs by transistor, in the transistor's coordinates. */
+/* Lists of added shapes and cut-outs for each transistor, in the coordinates of
+   the transistor. */
 typedef struct owned {
   eda_chip_box *box;
-  uint32_t *next;  /* [count], next box of that gate + 1 */
-  uint32_t *first; /* [gates], first box + 1 */
+  uint32_t *next;  /* [count], index of the next box of the same gate, plus 1;
+                      0: end */
+  uint32_t *first; /* [gates], index of the first box, plus 1; 0: none */
   size_t count, capacity, next_capacity;
 } owned;
 
@@ -78,11 +84,11 @@ static void owned_add(owned *to, uint32_t gate, eda_chip_box box) {
   to->first[gate] = (uint32_t)to->count;
 }
 
-/* Add a part of an added shape or cut-out to its owner: the nearest transistor
-   within the radius, because
-   the environment is equal throughout the class only within the radius. Several
-   transistors at the same distance are all owners, because any of them may be
-   the representative; equal shapes merge. */
+/* Add a part of an added shape or cut-out to its owner, the nearest transistor.
+   The part is clipped at the radius around the owner, because the environment
+   is equal throughout the class only within the radius. If several transistors
+   are at the smallest distance, each of them is an owner, because any of them
+   may be the representative; equal shapes merge. */
 static void own_part(const correction *m, const eda_gates *g,
                      const eda_index *index, eda_chip_box part, owned *to) {
   int32_t r = m->on.work->radius;
@@ -103,7 +109,8 @@ static void own_part(const correction *m, const eda_gates *g,
   }
 }
 
-/* Divide a long shape, which may be near several transistors. */
+/* Divide a long shape into parts, because parts may be near different
+   transistors, and add each part to its owner. */
 static void own_box(const correction *m, const eda_gates *g,
                     const eda_index *index, eda_chip_box all, owned *to) {
   eda_chip_box low = all, high = all;
@@ -185,8 +192,8 @@ static int put_all(const correction *m, const loop *l, const sheet *s,
 
 /* ---- a sheet ---- */
 
-/* Host of a loop on a sheet. Progress is scaled to the phase. Messages about
-   sheets become debug messages, because sheets are internal. */
+/* Host of a loop on a sheet. Progress is scaled to the phase. Messages become
+   debug messages, because users do not know sheets. */
 typedef struct inner {
   opc_host host;
   const correction *correction;
@@ -247,7 +254,7 @@ static int correct_sheet(void *data, size_t i, opc_bytes *out,
 
 /* ---- results ---- */
 
-/* Allocate a mask. Returns its number. */
+/* Allocate a mask. Return its number. */
 static uint32_t add_mask(work *w) {
   eda_chip *c = w->chip;
   size_t capacity = w->mask_capacity;
@@ -258,8 +265,9 @@ static uint32_t add_mask(work *w) {
   return (uint32_t)c->masks++;
 }
 
-/* Store the mask of a record. A refined mask keeps the drawn figures of the
-   replaced mask, because its loop did not simulate drawn neighbours. */
+/* Store the mask of a record. In a refinement, the new mask keeps the drawn
+   figures of the replaced mask, because the refinement does not simulate drawn
+   neighbours. */
 static void take_mask(correction *m, const corrected *one, const char *bytes) {
   work *w = m->on.work;
   eda_chip *c = w->chip;
@@ -305,7 +313,7 @@ static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
 
 /* ---- run ---- */
 
-/* Correct the transistors; m->mask receives the numbers of their masks. */
+/* Correct the transistors. m->mask receives the numbers of the new masks. */
 static int correct_selected(correction *m, opc_error *error) {
   const work *w = m->on.work;
   m->mask = eda_alloc(m->on.count, sizeof *m->mask);

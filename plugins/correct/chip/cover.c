@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the covering by recursive bisection. A box is divided if its
-   halves have a smaller total area. */
+/* Implements covering by recursive bisection: a box is divided if the sum of
+   the areas of its halves is smaller. */
 #include "cover.h"
 
 #include <eda/memory.h>
@@ -26,8 +26,8 @@ static double area_of(eda_box b) {
   return ((double)b.x1 - b.x0) * ((double)b.y1 - b.y0);
 }
 
-/* Move the places below the middle of the box to the front, with their order
-   preserved. Returns their number. */
+/* Move the places in the lower half of the box to the front without changing
+   their order. Return their number. */
 static size_t places_halve(const maker *m, size_t first, size_t count,
                            eda_box box) {
   uint32_t *place = m->out->place + first;
@@ -50,8 +50,8 @@ static int box_fits(const maker *m, eda_box b) {
   return b.x1 - b.x0 <= m->most && b.y1 - b.y0 <= m->most;
 }
 
-/* Append the clips of places first to first + count - 1. Returns the area of
-   the clips. */
+/* Append the clips of places first to first + count - 1. Return the sum of the
+   areas of the clips. */
 static double places_divide(maker *m, size_t first, size_t count) {
   cover *c = m->out;
   eda_box box = places_box(m, first, count);

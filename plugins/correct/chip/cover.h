@@ -7,7 +7,7 @@
 /* Rectangle around some places. */
 typedef struct clip {
   eda_box box;
-  size_t first, count; /* range in cover.place */
+  size_t first, count; /* positions in cover.place */
 } clip;
 
 typedef struct cover {
@@ -16,10 +16,10 @@ typedef struct cover {
   uint32_t *place; /* numbers of the places, clip by clip */
 } cover;
 
-/* Cover n places, each extended by `reach`, by clips; each place is in one
-   clip. Recursive bisection makes the total area small. The sides of a clip are
-   at most `most`, unless a single place is larger. The result depends on the
-   arguments only. Callable from any thread. */
+/* Cover n places, each extended by `reach`, by clips. Each place belongs to one
+   clip. Recursive bisection reduces the total area of the clips. The sides of a
+   clip are at most `most`, unless a single place is larger. The result depends
+   on the arguments only. Callable from any thread. */
 void cover_make(const eda_box *places, size_t n, int32_t reach, int32_t most,
                 cover *out);
 void cover_clear(cover *cover);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements checksums of environments. Each edge within the radius becomes a
    64-bit number in the transistor's coordinates. The mirror image along L and W
-   with the smallest of four hash sums is selected; equal sums indicate a
-   symmetry. The sums do not depend on the order of edges, because
-   sorting would double the time of the scan. */
+   with the smallest of the four hash sums is selected; equal sums indicate a
+   symmetry. The sums do not depend on the order of edges, because sorting would
+   double the time of the scan. */
 #include "environment.h"
 
 #include <eda/check.h>
@@ -15,8 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Cell size of the spatial index, nm, about a tenth of a search window; number
-   of transistors per task. */
+/* BIN: cell size of the spatial index, nm, about a tenth of a search window.
+   The second value is the number of transistors per task. */
 enum { CELL = 500, AT_ONCE = 256 };
 
 /* Bits of an edge's number: three coordinates of BITS each, and the kind. */
@@ -52,7 +52,8 @@ typedef struct seen {
 
 static edge edge_of(size_t layer, eda_point a, eda_point b) {
   edge e = {.layer = (uint8_t)layer};
-  if (a.x == b.x) { /* down on the left side of the interior, up on the right */
+  if (a.x == b.x) { /* an edge runs down on the left side of the interior, and
+                       up on the right side */
     e.across = EDA_X;
     e.high_side = a.y < b.y;
     e.at = a.x;
@@ -97,7 +98,7 @@ static void find_edges(seen *s) {
 /* ---- one transistor ---- */
 
 /* Coordinate system of a transistor, with the origin at the LOW corner of its
-   box; mirrored coordinates start at the HIGH ends. */
+   box; along a mirrored axis, the origin is at the HIGH end. */
 typedef struct frame {
   eda_box box;
   uint8_t axis;
@@ -111,7 +112,8 @@ static int32_t size_of(const frame *f, int d) {
   return d == EDA_X ? f->box.x1 - f->box.x0 : f->box.y1 - f->box.y0;
 }
 
-/* Return the number of an edge; back[x or y] = 1 mirrors the axis. */
+/* Return the number of an edge in the coordinates of a transistor. back[axis]:
+   1: the axis is mirrored. */
 static uint64_t number_of(const frame *f, const edge *e, const int *back) {
   static const uint64_t mask = ((uint64_t)1 << BITS) - 1;
   int d = e->across, other = !d;
@@ -170,7 +172,8 @@ static int too_large(const seen *s, size_t i, opc_error *error) {
       b.y1 * s->gates->grid, FURTHEST * s->gates->grid);
 }
 
-/* Add the edges within the radius, clipped. */
+/* Collect the edges of all layers, clipped at the radius around transistor
+   i. */
 static void heap_collect(const seen *s, size_t i, heap *h) {
   frame f = {s->gates->box[i], s->gates->axis[i]};
   eda_box w = eda_box_grown(f.box, s->radius);
@@ -251,9 +254,10 @@ int environments_find(const opc_context *context, const eda_gates *window,
     return opc_fail(error, OPC_INVALID, NULL, "%zu layers, expected at most %d",
                     window->layers, MOST_LAYERS);
   if (radius < 0 || radius > WIDEST)
-    return opc_fail(error, OPC_INVALID, "radius",
-                    "'radius' exceeds %.10g nm, the limit on this grid",
-                    WIDEST * window->grid);
+    return opc_fail(
+        error, OPC_INVALID, "radius",
+        "\"'radius' exceeds %.10g nm, the largest value for this mask grid\"",
+        WIDEST * window->grid);
   find_edges(&s);
   int code = eda_try_all(context, (window->count + AT_ONCE - 1) / AT_ONCE,
                          find_some, &s, error);

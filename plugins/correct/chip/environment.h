@@ -15,20 +15,20 @@ typedef struct environment {
   uint8_t flip;
 } environment;
 
-/* Compute the environments of all gates of a window that start in its core:
-   shapes of all layers within `radius` grid steps of the gate's box, and sizes,
-   type and target of the gate. The window must contain these shapes. The
-   elements of `out` for all other gates are unchanged. `orientations`: number
-   of equivalent orientations: 8, 4 (no exchange of x and y) or 1. Returns
-   OPC_INVALID if a transistor is too large. Uses all threads; callable from any
-   thread. */
+/* Compute the environments of the gates of a window whose lower left corner is
+   in the core. An environment consists of the shapes of all layers within
+   `radius` grid steps of the gate's box, and of the sizes, type and target of
+   the gate. The window must contain these shapes. `out`, [gates], is not
+   changed for other gates. `orientations`: number of equivalent orientations:
+   8, 4 (no exchange of x and y) or 1. Returns OPC_INVALID if a transistor is
+   too large. Uses all threads; callable from any thread. */
 int environments_find(const opc_context *context, const eda_gates *window,
                       eda_box core, int32_t radius, int orientations,
                       environment *out, opc_error *error);
 
-/* Add a number to two sums of hashes that do not depend on the order of the
-   numbers; equal sums of 128 bits mean equal numbers. Callable from any
-   thread. */
+/* Add the hashes of a number to two sums. The sums do not depend on the order
+   of the numbers; if both sums (128 bits) are equal, the sets of numbers are
+   taken as equal. Callable from any thread. */
 void environment_add(uint64_t sum[2], uint64_t number);
 
 /* Return 1 if the lower left corner of a box is in the core. Callable from any

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the collection of rule violations of printed images and masks. A
    violation belongs to the nearest transistor. The violation is stored with the
-   print of that transistor, so that all transistors of the print share the
-   violation. */
+   print (class of equal masked environments) of that transistor and applies to
+   all transistors of the print. */
 #include <eda/index.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -13,7 +13,8 @@
 #include <correct/rules.h>
 #include "work.h"
 
-/* Kind of a violation of the regulator's rules; the text follows the record. */
+/* Kind of a record for the regulator's rules; the text of the rule follows the
+   record. */
 enum { TEXT = UINT32_MAX };
 
 /* Record of a violation in a work unit; `size`: length of the text. */
@@ -22,7 +23,7 @@ typedef struct kept {
   double value, limit;
 } kept;
 
-/* Violation in a print of the chip. */
+/* A violation in a print of the chip. */
 typedef struct fault {
   uint32_t print, kind;
   double value, limit;
@@ -70,8 +71,9 @@ static double distance_beyond(int32_t low, int32_t high, double at) {
 }
 
 /* Return the place of the transistor nearest to (x, y), at most half the margin
-   away: beyond, a transistor omitted from the sheet may be nearer. Return
-   UINT32_MAX if there is none, or if this sheet does not verify it. */
+   away, because beyond that distance a transistor omitted from the sheet may be
+   nearer. Return UINT32_MAX if there is no such transistor, or if this sheet
+   does not verify it. */
 static uint32_t place_of(const finder *f, double x, double y) {
   const eda_gates *g = f->sheet->gates;
   double least = INFINITY;
@@ -172,8 +174,8 @@ void faults_take(work *w, size_t first, const char *at, const char *end) {
 
 /* ---- report ---- */
 
-/* Number of violations of a kind, with the first transistor, and the value with
-   the largest distance from its limit. */
+/* Number of violations of a kind, the first transistor with such a violation,
+   and the worst value. */
 typedef struct tally {
   size_t count, first;
   double value, limit;
@@ -192,7 +194,9 @@ static tally *count_all(const work *w) {
   for (guint k = 0; k < all->len; k++) {
     const fault *f = &g_array_index(all, fault, k);
     tally *t = &out[f->kind];
-    if (!size[f->print]) continue; /* masks replaced by refinement */
+    if (!size[f->print])
+      continue; /* a refinement replaced the masks of this
+                   print */
     if (!t->count || first[f->print] < t->first) t->first = first[f->print];
     if (!t->count || fabs(f->value - f->limit) > fabs(t->value - t->limit)) {
       t->value = f->value;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the report of a chip: figures of all transistors, in tables whose
-   size does not grow with the chip. */
+   number of rows does not grow with the chip. */
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <math.h>
@@ -17,7 +17,8 @@ static const double worse_than = 0.001;
 
 enum { SHORT_TABLE = 24 };
 
-/* Number of transistors with a fault, and index of the first. */
+/* Number of transistors with a fault, and index of the first such
+   transistor. */
 typedef struct fault {
   size_t count, first;
 } fault;
@@ -62,7 +63,8 @@ static void fault_log(const work *w, const fault *f, const char *what) {
 /* ---- tables ---- */
 
 /* Write a histogram of the number of transistors per class, in bins of 1, 2, 3
-   to 4, 5 to 8 and so on. `prints`: 1 for classes by print, 0 by mask. */
+   to 4, 5 to 8 and so on. `prints`: 1: classes of equal masked environments; 0:
+   classes of equal drawn environments. */
 static int class_table(const work *w, const char *name, size_t n, int prints,
                        opc_error *error) {
   enum { SIZES = 34 };
@@ -194,8 +196,8 @@ static int put_metrics(const work *w, const sums *s, opc_error *error) {
   return opc_put_metrics(w->host, OPC_ARRAY(values), error);
 }
 
-/* Check the drawn lengths and widths, which are the sides of the gates' boxes.
- */
+/* Check the drawn lengths and widths, which equal the sides of the gates'
+   boxes. */
 static void find_in_drawing(const work *w) {
   const eda_chip *c = w->chip;
   eda_gates g = {.count = c->count,
@@ -221,11 +223,11 @@ int report_all(const work *w, opc_error *error) {
   memset(&s, 0, sizeof s);
   find_in_drawing(w);
   for (size_t i = 0; i < w->chip->count; i++) sums_add(w, i, &s);
-  fault_log(w, &s.failed, "do not print as one transistor and have no results");
+  fault_log(w, &s.failed, "do not print as one transistor and have no figures");
   fault_log(w, &s.lost, "print with the drawn mask but not with this mask");
   fault_log(w, &s.worse,
             "deviate more than with the drawn mask and more than the limit");
-  fault_log(w, &s.outside, "have results extrapolated beyond the device table");
+  fault_log(w, &s.outside, "have figures extrapolated beyond the device table");
   if (!s.drawn.ion[2].n)
     w->host->log(w->host, OPC_LOG_FINDING,
                  "no transistor of the drawn mask prints: check the 'scale' of "

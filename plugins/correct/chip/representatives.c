@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the choice of representatives. The wider environment of a
    transistor consists of the classes and positions of all transistors within
-   the range of optical interaction. Its checksum is that of the prints, with
-   classes in place of masks. In a memory, the most frequent wider environment
-   is the interior of an array, and the lowest member its corner. */
+   the range of optical interaction. Its checksum is computed by prints_find,
+   while the masks are still numbered by class. In a memory, the most frequent
+   wider environment is the interior of an array, whereas the lowest member of a
+   class is at a corner. */
 #include <eda/memory.h>
 #include <stdlib.h>
 
@@ -17,7 +18,8 @@ void representatives_choose(work *w) {
   uint8_t *flip = eda_alloc(w->classes, 1);
   for (size_t i = 0; i < c->count; i++) size[c->gate[i].print]++;
   for (size_t k = 0; k < w->classes; k++) best[k] = c->gate[w->first[k]].print;
-  /* Prints are in the order of their first transistors. */
+  /* Prints are numbered in the order of their first transistors, so the lowest,
+     then leftmost of several equal ones is selected. */
   for (size_t k = 0; k < c->prints; k++) {
     uint32_t of = c->gate[w->print_first[k]].mask;
     if (size[k] > size[best[of]]) best[of] = (uint32_t)k;
@@ -31,7 +33,7 @@ void representatives_choose(work *w) {
   w->host->log(w->host, OPC_LOG_DEBUG,
                "%zu different wider environments, within %.4g nm", c->prints,
                w->margin * c->grid);
-  /* These prints are of classes and not of masks. */
+  /* These prints distinguish classes, not masks: discard them. */
   g_hash_table_remove_all(w->prints);
   g_ptr_array_set_size(w->sums, 0);
   c->prints = 0;

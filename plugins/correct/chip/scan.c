@@ -9,9 +9,9 @@
 
 #include "work.h"
 
-/* Number of windows per work unit, enough for two to eight cores and
-   independent of the number of threads; extension of a window beyond the
-   radius, nm, larger than most transistors. */
+/* First value: number of windows per work unit, enough for two to eight cores
+   and independent of the number of threads. Second value: extension of a window
+   beyond the radius, nm, larger than most transistors. */
 enum { AT_ONCE = 8, BEYOND = 2000 };
 
 typedef struct scan {
@@ -128,8 +128,9 @@ static gboolean same_sum(gconstpointer a, gconstpointer b) {
 
 GHashTable *work_sums(void) { return g_hash_table_new(hash_sum, same_sum); }
 
-/* Group transistors into classes. `first` is the lowest, then leftmost
-   transistor; the others are oriented by `flip`. */
+/* Group transistors into classes. `first` of a class is the lowest, then
+   leftmost member. Set `flip` of the other members to their orientation
+   relative to `first`. */
 static void find_classes(work *w) {
   eda_chip *c = w->chip;
   GHashTable *class_of = work_sums();

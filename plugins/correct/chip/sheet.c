@@ -28,7 +28,7 @@ void pages_make(const cover *c, int32_t most, int32_t gap, pages *out) {
     all[i] = (item){(uint32_t)i, b.x1 - b.x0, b.y1 - b.y0};
   }
   if (c->count) qsort(all, c->count, sizeof *all, by_height);
-  int64_t x = 0, y = 0, row = 0; /* next position; height of the row */
+  int64_t x = 0, y = 0, row = 0; /* next position; height of the current row */
   for (size_t k = 0; k < c->count; k++) {
     const item *t = &all[k];
     if (x && x + t->wide > most) {
@@ -61,7 +61,7 @@ typedef struct piece {
   size_t clip;
   eda_gates *gates;
   eda_point by;    /* offset from the layout to the sheet */
-  int32_t *number; /* [gates], number on the sheet; -1: none */
+  int32_t *number; /* [gates], number on the sheet; -1: not on the sheet */
 } piece;
 
 typedef struct maker {
@@ -143,8 +143,8 @@ static int put_gate(maker *m, const ref *r, size_t k, opc_error *error) {
   size_t i = r->i, number = eda_chip_find(m->chip, from->box[i]);
   if (number == SIZE_MAX)
     return opc_fail(error, OPC_FAILED, NULL,
-                    "transistor at (%d, %d) grid steps: the scan of the layout "
-                    "did not find this transistor",
+                    "transistor at (%d, %d) grid steps is on a sheet, but the "
+                    "scan of the layout did not find it",
                     (int)from->box[i].x0, (int)from->box[i].y0);
   m->out->of[k] = (uint32_t)number;
   m->out->place[k] = UINT32_MAX;

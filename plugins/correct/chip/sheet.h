@@ -16,7 +16,8 @@ typedef struct pages {
 } pages;
 
 /* Place clips in rows, in the order of decreasing height, on sheets of about
-   `most` by `most`, `gap` apart. Callable from any thread. */
+   `most` by `most` grid steps. Clips are `gap` grid steps apart. Callable from
+   any thread. */
 void pages_make(const cover *cover, int32_t most, int32_t gap, pages *out);
 void pages_clear(pages *pages);
 

@@ -6,7 +6,7 @@
 #include <correct/symmetry.h>
 #include "tools/devel/testing.h"
 
-#define maker halver /* both files have one */
+#define maker halver /* both included files define a type of this name */
 #include "cover.c"
 #undef maker
 
@@ -34,8 +34,8 @@ static eda_box box_of(const eda_box *places, unsigned set, int32_t reach) {
   return b;
 }
 
-/* Return the smaller of two areas: of a set of places in one clip, and of the
-   set bisected across its longer side. */
+/* Return the smaller of two areas: that of one clip around a set of places, and
+   that of the clips after a bisection of the set across its longer side. */
 static double least_area(const eda_box *places, unsigned set, int32_t reach,
                          int32_t most) {
   eda_box b = box_of(places, set, reach);
@@ -124,7 +124,7 @@ static void test_pages(void) {
     }
     for (size_t k = 0; k < p.count; k++)
       g_assert_cmpfloat(p.area[k], ==, area[k]);
-    /* At least a third of each sheet but the last is used. */
+    /* Clips cover at least a third of each sheet except the last one. */
     g_assert_cmpfloat((double)(p.count - 1) * MOST * MOST / 3, <, all);
     pages_clear(&p);
   }

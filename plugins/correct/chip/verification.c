@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the verification of a chip: one transistor of each class of equal
    masked environments is simulated, and all transistors of the class receive
-   its figures. Two environments are equal if they contain equal masks at equal
-   relative positions within the range of optical interaction. Transistors with
-   equal masks have equal drawn environments. */
+   the figures of that transistor. Two environments are equal if they contain
+   equal masks at equal relative positions within the range of optical
+   interaction. Transistors with equal masks have equal drawn environments. */
 #include <eda/index.h>
 #include <eda/memory.h>
 #include <eda/print.h>
@@ -20,9 +20,9 @@ enum { SUMS_AT_ONCE = 1024 };
 static const struct {
   double split;
 } tuned = {
-    /* Fraction of `ion_limit`. In an SRAM macro, 33 of 2,807 verified
-       transistors exceed half of 0.5 %; splitting their groups reduces the
-       largest deviation from 0.49 to 0.26 %. */
+    /* Fraction of `ion_limit` beyond which a group is split. In an SRAM macro,
+       33 of 2,807 verified transistors exceed half of 0.5 %; splitting their
+       groups reduces the largest deviation from 0.49 to 0.26 %. */
     .split = 0.5,
 };
 
@@ -34,8 +34,8 @@ typedef struct seen {
   uint8_t (*sum)[SUM_SIZE];
 } seen;
 
-/* Return the orientation of a gate relative to another one; L and W are
-   exchanged if their axes differ. */
+/* Return the orientation of a gate relative to another one; Bit 0 is 1 if the
+   axes of the gates differ, so that L and W are exchanged. */
 static uint32_t orientation_of(const eda_chip_gate *g,
                                const eda_chip_gate *to) {
   uint32_t flip = to->flip;
@@ -43,8 +43,9 @@ static uint32_t orientation_of(const eda_chip_gate *g,
   return (g->flip ^ flip) << 1 | (g->axis ^ to->axis);
 }
 
-/* Add a neighbour in the coordinates of transistor g to the sums. Each word is
-   hashed with its predecessors. */
+/* Add the mask and the position of a neighbour `o`, in the coordinates of
+   transistor g, to the sums. The hash of each word includes the preceding
+   words. */
 static void sum_neighbour(const eda_chip_gate *g, const eda_chip_gate *o,
                           uint64_t sum[2]) {
   eda_box b = eda_chip_own(g->box, g->axis, g->flip, o->box);
@@ -58,7 +59,7 @@ static void sum_neighbour(const eda_chip_gate *g, const eda_chip_gate *o,
   sum[1] += one[1];
 }
 
-/* The sums include the transistor itself. */
+/* The sums include transistor i itself. */
 static void sum_up(const seen *s, size_t i) {
   const eda_chip *c = s->work->chip;
   const eda_chip_gate *g = &c->gate[i];
@@ -114,7 +115,7 @@ void prints_find(work *w) {
 
 typedef struct verify_run {
   sheets on;    /* transistors to simulate */
-  size_t first; /* first print number */
+  size_t first; /* number of the first simulated print */
 } verify_run;
 
 typedef struct verified {
@@ -146,7 +147,7 @@ static int print_mask(const work *w, eda_mask *m, double **extension,
 }
 
 static void put_all(const eda_mask *m, const sheet *s, opc_bytes *out) {
-  uint64_t n = 0; /* records before the violations */
+  uint64_t n = 0; /* number of records, which precede the violations */
   for (size_t k = 0; k < s->gates->count; k++) n += s->place[k] != UINT32_MAX;
   out->add(out, &n, sizeof n);
   for (size_t k = 0; k < s->gates->count; k++) {

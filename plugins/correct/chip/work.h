@@ -16,7 +16,8 @@
 #include "environment.h"
 #include "sheet.h"
 
-/* A transistor found by the scan. The record is stored as bytes. */
+/* A transistor found by the scan. The records are stored as bytes in the
+   results store. */
 typedef struct found {
   eda_box box;
   uint8_t type, axis, unused; /* unused: explicit padding */
@@ -25,7 +26,7 @@ typedef struct found {
 
 typedef struct drawn_print {
   eda_figures figures;
-  uint32_t flags, unused; /* EDA_PRINT_*; fills the record */
+  uint32_t flags, unused; /* EDA_PRINT_*; unused: explicit padding */
 } drawn_print;
 
 /* Rule violations (faults.c). */
@@ -35,27 +36,27 @@ typedef struct work {
   const opc_host *host;
   const correct_settings *with;
   int32_t margin; /* range of optical interaction */
-  /* Radius of a drawn environment, within which neighbours are corrected, too;
-     side of a window; distance of clips on a sheet. */
+  /* Radius of a drawn environment, within which neighbours of a representative
+     are corrected, too; side of a window; distance of clips on a sheet. */
   int32_t radius, window, gap;
   int orientations; /* number of equivalent orientations: 1, 4 or 8 */
   int64_t rounds;
   size_t round;   /* round of verification */
-  eda_chip *chip; /* the result */
+  eda_chip *chip; /* the output of the step */
 
   /* [chip->count], all transistors found by the scan. */
   found *found;
   size_t capacity;
 
   /* Classes of drawn environments. chip->mask has one mask for each class,
-     followed by refined ones. `first` is the representative, for which a mask
-     is made. */
+     followed by the masks of refinements. `first`: [classes], the
+     representative, which is corrected. */
   uint32_t *first;
   size_t classes, mask_capacity, part_capacity, box_capacity;
-  drawn_print *before; /* of each mask, with all edges as drawn */
+  drawn_print *before; /* [masks], figures with all edges as drawn */
 
   /* Classes of equal masked environments, called prints. */
-  GHashTable *prints;    /* from checksum to print number + 1 */
+  GHashTable *prints;    /* maps a checksum to the print number + 1 */
   GPtrArray *sums;       /* owner of the checksums */
   uint32_t *print_first; /* [prints], the simulated transistor */
   size_t print_capacity;
@@ -66,39 +67,42 @@ typedef struct work {
   /* Counts for the report. */
   size_t windows, sheets, refined, simulations, fine_simulations;
   double worst;       /* largest |Ion deviation| so far, % */
-  double share, done; /* progress: share of this phase; done before it */
+  double share, done; /* progress: share of this phase; sum of the shares of
+                         earlier phases */
 } work;
 
-/* Find all transistors window by window and group them into classes. Fills
+/* Find all transistors window by window and group them into classes. Fill
    chip->gate and `first`. (scan.c) */
 int scan_all(work *work, opc_error *error);
 
 /* Make the member with the most frequent wider environment the representative
-   of each class; the lowest, then leftmost of several. (representatives.c) */
+   of each class. Among several such members, choose the lowest, then the
+   leftmost. (representatives.c) */
 void representatives_choose(work *work);
 
 /* Correct the representative of each class in place. (correction.c) */
 int correct_classes(work *work, opc_error *error);
-/* Split the classes of n prints: correct these with all others fixed. Better
-   masks replace those of all transistors of the print. */
+/* Correct the transistors of n prints individually, with the masks of all other
+   transistors fixed. A better mask replaces the mask of all transistors of the
+   print. (correction.c) */
 int correct_prints(work *work, const uint32_t *prints, size_t n,
                    opc_error *error);
 
-/* Set the print of each transistor, by its masked environment within `margin`;
-   new prints have no figures yet. (verification.c) */
+/* Set the print of each transistor according to its masked environment within
+   `margin`. New prints have no figures yet. (verification.c) */
 void prints_find(work *work);
-/* Simulate one transistor of each new masked environment. Fills chip->print and
+/* Simulate one transistor of each new masked environment. Fill chip->print and
    the `print` of each transistor. */
 int verify_all(work *work, opc_error *error);
 /* Return the |Ion deviation| of a print, %; INFINITY if the transistor does not
    print. */
 double print_deviation(const eda_chip_print *print);
-/* Return the |Ion deviation|, %, below which a new mask replaces that of a
-   print with a violation or a deviation beyond a part of `ion_limit`; else NAN.
- */
+/* Return the |Ion deviation|, %, below which a new mask replaces the mask of a
+   print. Only prints with a violation, or with a deviation beyond a part of
+   `ion_limit`, are refined; return NAN for other prints. */
 double print_beyond(const work *work, const eda_chip_print *print);
 
-/* Return a new hash table from checksums (SUM_SIZE bytes, not owned) to
+/* Return a new hash table that maps checksums (SUM_SIZE bytes, not owned) to
    numbers. */
 GHashTable *work_sums(void);
 
@@ -110,7 +114,8 @@ void faults_free(faults *faults);
    the main thread. */
 int faults_find(const work *work, const sheet *sheet,
                 const eda_printed *printed, opc_bytes *out, opc_error *error);
-/* Store the bytes of faults_find; `first` is the print of place 0. */
+/* Store the violations that faults_find wrote to the bytes from `bytes` to
+   `end`. `first`: number of the print of place 0 on the sheet. */
 void faults_take(work *work, size_t first, const char *bytes, const char *end);
 /* Write tables, findings and metrics of the violations of all present masks,
    one row for each rule. */
@@ -123,8 +128,8 @@ int report_all(const work *work, opc_error *error);
    begin with this structure. */
 typedef struct sheets {
   work *work;
-  const uint32_t *number; /* [count], numbers in the chip */
-  size_t count, done;     /* transistors; finished sheets */
+  const uint32_t *number; /* [count], numbers of the transistors in the chip */
+  size_t count, done;     /* numbers of transistors and of finished sheets */
   cover cover;
   pages pages;
   char *key;
@@ -135,5 +140,5 @@ typedef struct sheets {
 int work_sheets(sheets *sheets, int32_t reach, opc_pieces jobs,
                 opc_error *error);
 
-/* Report the finished part of this phase, 0 to 1. */
+/* Report the progress of this phase. `part`: finished part, 0 to 1. */
 void work_progress(const work *work, double part);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements arrays: first rows along x, then equal rows along y. A row or
    column continues while the distance equals that of its first two elements.
-   The result equals the original arrays, except if two arrays touch. */
+   The arrays found equal the arrays of the drawn layout, except if two arrays
+   touch. */
 #include "arrays.h"
 
 #include <eda/memory.h>

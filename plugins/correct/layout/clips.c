@@ -46,7 +46,7 @@ static eda_shapes shapes_of(const eda_box *box, size_t n) {
   return s;
 }
 
-/* Combine boxes by an operation of eda_boolean. */
+/* Combine two lists of boxes by an operation of eda_boolean. */
 static int boxes_combine(int op, const eda_box *a, size_t n, const eda_box *b,
                          size_t m, eda_shapes *out, opc_error *error) {
   eda_shapes p = shapes_of(a, n), q = shapes_of(b, m);
@@ -63,8 +63,8 @@ static int territory_begins(const window *w, const territory *t) {
   return b.x0 >= c.x0 && b.x0 < c.x1 && b.y0 >= c.y0 && b.y0 < c.y1;
 }
 
-/* Find the territories that touch the core; *see receives the core, extended by
-   the boxes of territories that begin in the core. */
+/* Find the territories that touch the core; *see receives the core, extended to
+   contain the boxes of the territories that begin in the core. */
 static int find_territories(window *w, eda_box *see) {
   const cutter *c = w->cutter;
   *see = w->core;
@@ -111,7 +111,8 @@ static int make_mask(window *w, eda_box see) {
 
 /* ---- territories ---- */
 
-/* Compute the box of a territory minus the boxes of earlier territories. */
+/* Compute the region of a territory: its box minus the boxes of earlier
+   territories. */
 static int find_own(const window *w, const territory *t, eda_box_list *out) {
   eda_box_list taken = {0};
   eda_finder f = eda_index_find(w->index, t->box);
@@ -144,8 +145,8 @@ static int write_polygon(void *data, const eda_point *points, size_t n,
   return OPC_OK;
 }
 
-/* Write the part of a layer in a territory, terminated by a polygon without
-   points. */
+/* Write the part of a layer that is in a territory, terminated by a polygon
+   without points. */
 static int write_layer(const window *w, const territory *t,
                        const eda_box_list *own, size_t layer, GByteArray *to) {
   const masked *m = &w->mask[layer];

@@ -32,8 +32,9 @@ typedef struct work {
   size_t columns, rows;
   eda_box extent; /* extent of the mask */
   eda_layout *out;
-  int32_t top, *layer; /* [layers of the chip], layer of the output */
-  GHashTable *known;   /* from shapes to cell number + 1 */
+  int32_t top, *layer; /* [layers of the chip], top cell of the output; [layers
+                          of the chip], layer of the output */
+  GHashTable *known;   /* maps the shapes of a clip to the cell number + 1 */
   int32_t *cell;       /* [n_cells], cell of the layout */
   size_t n_cells, cell_capacity;
   put *put;
@@ -49,8 +50,8 @@ static int32_t larger_magnitude(int32_t a, int32_t b) {
   return a > b ? a : b;
 }
 
-/* Return an upper bound of edge displacements, with an entire bias on one
-   side. */
+/* Return an upper bound of edge displacements: the bound assumes that a bias is
+   entirely on one side. */
 static int32_t find_moves(const eda_chip *c) {
   int32_t far = 0;
   for (size_t i = 0; i < c->masks; i++) {
@@ -67,7 +68,8 @@ static int32_t find_moves(const eda_chip *c) {
 }
 
 /* Return the largest distance of added shapes and cut-outs from a corner of
-   their gate; *before receives the distance towards lower coordinates. */
+   their gate; *before receives the largest distance towards lower
+   coordinates. */
 static int32_t find_boxes(const eda_chip *c, int32_t *before) {
   int32_t far = 0;
   *before = 0;

@@ -169,7 +169,7 @@ static void check_same(const eda_layout *made, const eda_chip *chip,
 
 /* ---- KLayout ---- */
 
-/* For the program (klayout -zz) and for the Python module. */
+/* The script runs in the program (klayout -zz) and with the Python module. */
 static const char script[] =
     "try:\n"
     "  import pya as k\n"
@@ -293,7 +293,7 @@ static void test_klayout(void) {
                     "layer 9 there 0\nlayer 1 there 0\nlayer 10 there 0\n"
                     "end\n");
   else
-    g_test_skip("there is no klayout");
+    g_test_skip("KLayout is not installed");
   opc_test_release(m, &made);
   opc_test_module_free(m);
   eda_layout_free(all);

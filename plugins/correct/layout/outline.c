@@ -22,8 +22,8 @@ static int cell_draws(const eda_layout *layout, int32_t cell,
   return 0;
 }
 
-/* Compute the bounding box of a cell with all cells below. Returns 0 for an
-   empty box. */
+/* Compute the bounding box of a cell and all cells below. Return 0 if the box
+   is empty. */
 static int find_box(const eda_layout *layout, int32_t cell,
                     const int32_t *layers, size_t n, eda_box *box) {
   *box = (eda_box)EDA_BOX_EMPTY;

@@ -14,11 +14,12 @@ typedef struct territory {
   uint8_t orientation;
 } territory;
 
-/* Return a layout with equal cell numbers. Each cell contains at most one box,
-   in layer 0: the bounding box of its shapes on n layers, grown by `beyond` nm.
-   A cell has a box if it draws shapes itself, is not larger than `most` nm and
-   is not below another such cell; `top` has none. Returns NULL on failure. The
-   caller frees the layout with eda_layout_free(). Callable from any thread. */
+/* Return a layout whose cells have the numbers of the cells of `layout`. Each
+   cell contains at most one box, in layer 0: the bounding box of its shapes on
+   n layers, grown by `beyond` nm. A cell has a box if it draws shapes itself,
+   is not larger than `most` nm and is not below another such cell; `top` has
+   none. Returns NULL on failure. The caller frees the layout with
+   eda_layout_free(). Callable from any thread. */
 eda_layout *outline_new(const eda_layout *layout, int32_t top,
                         const int32_t *layers, size_t n, double most,
                         double beyond, opc_error *error);

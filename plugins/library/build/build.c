@@ -34,7 +34,7 @@ typedef struct builder {
   const build *b;
   library *out;
   const opc_results *results;
-  GArray *lines; /* line */
+  GArray *lines; /* array of `line` */
   size_t corrected, simulations;
   opc_error *error;
 } builder;
@@ -51,8 +51,8 @@ static char *key_of(const builder *r, const char *geometry,
 
 /* Simulate the mask with the fast model, without the difference of the models.
    Set seen[i] to ln(Ion of this simulation / ion[i]); `ion`: Ion of the
-   accurate model. With seen[i], later steps can replace accurate simulations by
-   fast ones. */
+   accurate model. Later steps use seen[i] to replace accurate simulations by
+   fast simulations. */
 static int look_cheaply(loop *l, const double *ion, double *seen,
                         opc_error *error) {
   for (size_t k = 0; k < l->gates->layers; k++)
@@ -122,7 +122,7 @@ static entry *correct_cell(builder *r, const cut_out *cell, const char *key,
   return correct_entry_unpack(data);
 }
 
-/* Return a stored cell; NULL: none. */
+/* Return the stored cell of a key; NULL: none. */
 static entry *find_kept(const builder *r, const char *key) {
   size_t size = 0;
   void *bytes = r->results->find(r->b->host, key, &size);
@@ -235,9 +235,10 @@ static const opc_parameter parameters[] = {
     CORRECT_MARGIN(build),
     CORRECT_FINE(build),
     CORRECT_GUARD(build),
-    CORRECT_ION_LIMIT(build,
-                      "Largest allowed |Ion deviation|; the guard reverts "
-                      "a larger one only if the drawn mask has a smaller one"),
+    CORRECT_ION_LIMIT(
+        build,
+        "Largest allowed |Ion deviation|; the guard reverts a transistor above "
+        "the limit if its deviation is smaller with the drawn mask"),
 };
 
 static const opc_metric metrics[] = {

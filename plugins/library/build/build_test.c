@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests a library of three cells: each has the figures of the step `correct` on
-   that cell alone, and stored cells are not corrected again. */
+/* Tests a library of three cells: the figures of each cell equal those of the
+   step `correct` on that cell alone, and stored cells are not corrected
+   again. */
 #include <math.h>
 
 #include "tests/library.h"
@@ -42,7 +43,8 @@ static void build_made(made *m, const char *more, double *ion) {
   ran_clear(&r);
 }
 
-/* Return the largest deviation of a cell corrected by `correct`. */
+/* Return the largest |Ion deviation| of a cell that the step `correct`
+   corrected. */
 static double corrected(const char *cell, const char *more) {
   static const char *const inputs[] = {"gates", NULL};
   opc_error error;
@@ -61,7 +63,7 @@ static double corrected(const char *cell, const char *more) {
   return ion;
 }
 
-/* As drawn, and after all displacements. */
+/* Compare the figures as drawn and after all displacements. */
 static void test_alone(void) {
   static const char *const mores[] = {", max_iterations: 0", ""};
   double ion[2][CELLS];
@@ -91,8 +93,9 @@ static void test_alone(void) {
   made_clear(&m);
 }
 
-/* With equal settings nothing is simulated and the figures are unchanged; other
-   settings correct all cells again and keep both versions. */
+/* With equal settings, nothing is simulated and the figures are unchanged. With
+   other settings, all cells are corrected again, and the store keeps both
+   versions. */
 static void test_kept(void) {
   double first[CELLS], again[CELLS], other[CELLS];
   made m = make_sheet("*");

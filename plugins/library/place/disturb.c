@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the disturbance: increase of |Ion deviation| of transistors from
-   the cell alone to the circuit. */
+/* Implements the disturbance: the |Ion deviation| of a transistor in the
+   circuit minus that in the cell alone. */
 #include "disturb.h"
 
 #include <eda/drawing.h>

@@ -7,7 +7,7 @@
 
 enum { GATES = 6, WIDTH = 400, GREY = 0xd8d8d8 };
 
-/* Ion in % of the drawn one: alone, and in the circuit. */
+/* Ion in % of the drawn Ion: in the cell alone, and in the circuit. */
 static const double alone[GATES] = {101, 98, 100, 103, 99, 102};
 static const double placed[GATES] = {103, 98.5, 100.04, 101, 95, 90};
 static const uint8_t known[GATES] = {1, 1, 1, 1, 1, 0};
@@ -101,7 +101,8 @@ static int is_near(uint32_t p, eda_colour c) {
   return 1;
 }
 
-/* Gates in their colours on a grey chip, from which the scale is computed. */
+/* The picture has gates in their colours on a grey chip. The scale of the
+   picture is computed from the extent of the chip. */
 static void test_picture(void) {
   made d;
   opc_error error = {0};
@@ -113,7 +114,8 @@ static void test_picture(void) {
   int wide = cairo_image_surface_get_width(s);
   int high = cairo_image_surface_get_height(s);
   g_assert_cmpint(wide, ==, WIDTH);
-  /* Two equal pixels in a row: the edges of letters may have that grey, too. */
+  /* Search for two equal pixels in a row, because the edges of letters may
+     contain single pixels of the same grey. */
   int x0 = wide, x1 = -1, y0 = high, y1 = -1;
   for (int y = 1; y < high; y++)
     for (int x = 1; x < wide; x++)
@@ -126,7 +128,8 @@ static void test_picture(void) {
   const eda_box e = d.gates.extent;
   double by_x = (x1 - x0 + 1) / (double)(e.x1 - e.x0);
   double by_y = (y1 - y0 + 1) / (double)(e.y1 - e.y0);
-  g_assert_cmpfloat(fabs(by_x / by_y - 1), <, 0.2); /* square within 20 % */
+  g_assert_cmpfloat(fabs(by_x / by_y - 1), <, 0.2); /* the scale is equal in x
+                                                       and y within 20 % */
   /* Five figures, the largest 4 %: the second largest is the end of the colour
      scale. */
   const double range = 2;
@@ -135,8 +138,8 @@ static void test_picture(void) {
     double t = 0.5 + wanted_disturbance(i) / range / 2;
     eda_colour c = known[i] ? eda_diverging(t) : eda_unknown;
     for (int k = 0; k < 8; k++) {
-      /* The colour in the middle and inside the corners of a gate; the chip
-     outside of the corners. */
+      /* A gate has its colour in the middle and just inside its corners. Just
+         outside of the corners is the chip. */
       int corner = k & 3, out = k > 3;
       double in = out ? -40 : 30;
       double x = corner & 1 ? b.x0 + in : b.x1 - in;

@@ -32,7 +32,7 @@ typedef struct place {
   int64_t width;
 } place;
 
-/* State of a run; arrays are by cell of the circuit. */
+/* State of a run; arrays have an element for each cell of the circuit. */
 typedef struct placer {
   const place *p;
   stitch stitch;
@@ -55,10 +55,10 @@ static int check_process(const place *p, opc_error *error) {
                       correct_library_models[k]);
   for (int k = 0; k < LIBRARY_MODELS; k++) g_free(own.model[k]);
   if (!code && p->library->grid != p->gates->grid)
-    code =
-        opc_fail(error, OPC_INVALID, "gates",
-                 "the grid of the library is %g nm, that of the circuit %g nm",
-                 p->library->grid, p->gates->grid);
+    code = opc_fail(
+        error, OPC_INVALID, "gates",
+        "the grid of the library is %g nm, expected that of the circuit, %g nm",
+        p->library->grid, p->gates->grid);
   return code;
 }
 
@@ -121,9 +121,9 @@ static int check_orientations(const placer *r, const units *found) {
   if (code || orientations_for(&found->unit[worst].at) <= orientations)
     return code;
   return opc_fail(r->error, OPC_INVALID, "layout",
-                  "cell '%s' is %s, and the optics are not symmetric in this "
-                  "orientation (source, polarisation or aberrations): the mask "
-                  "of the library is not valid",
+                  "\"cell '%s' is %s, and the optics image this orientation "
+                  "differently (source, polarisation or aberrations): the mask "
+                  "of the library is not valid\"",
                   eda_layout_cell_name(p->layout, found->unit[worst].cell),
                   found->unit[worst].at.xy
                       ? "rotated by 90 degrees"
@@ -250,7 +250,8 @@ static int place_report(placer *r, const eda_mask *m, const double *extension) {
 static int place_print_report(placer *r, eda_mask *m) {
   const place *p = r->p;
   double *extension = NULL;
-  /* The resist is calibrated as in the library, not by this circuit. */
+  /* Calibrate the resist as in the library, not with the transistors of this
+     circuit. */
   int code = correct_print(&p->with, p->host, 0, m, NULL, &extension, r->error);
   if (!code && !m->fine_simulations) /* apply the stored Ion ratios */
     correct_start_correct(m->moved, &m->after);
@@ -324,7 +325,7 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(place, missing, .type = OPC_CHOICE, .preset = "refuse",
                   .choices = "refuse|drawn",
                   .summary = "Treatment of transistors that are not in the "
-                             "library: an error, or as drawn"),
+                             "library: refuse with an error, or keep as drawn"),
     CORRECT_MARGIN(place),
     CORRECT_FINE(place),
     OPC_PARAMETER(

@@ -9,7 +9,7 @@
 typedef struct made {
   eda_layout *circuit;
   ran sheet, cells, library, gates;
-  double ion; /* largest in the library, % */
+  double ion; /* largest |Ion deviation| in the library, % */
 } made;
 
 /* Make a circuit and the library of the cells with these names. */
@@ -105,7 +105,8 @@ static void test_placed(void) {
     largest = fmax(largest, fabs(alone));
   }
   g_assert_cmpfloat_with_epsilon(largest, m.ion, 1e-6);
-  /* Without simulation, the mask is equal and has the figures of the cells. */
+  /* Without a simulation, the mask is equal and the figures are those of the
+     cells. */
   ran bare = place_good(&m, "print: false");
   const eda_mask *promised = bare.out;
   g_assert_cmpfloat(
@@ -120,8 +121,8 @@ static void test_placed(void) {
   made_clear(&m);
 }
 
-/* A library without one of the cells: rejected, or the transistors are as
-   drawn. */
+/* A library lacks one of the cells: the library is refused, or the transistors
+   of that cell stay as drawn. */
 static void test_missing(void) {
   opc_error error;
   ran r;

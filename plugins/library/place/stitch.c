@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the placement of a cell's displacements. Each transistor is
-   matched separately, because rounding to the grid and the dissection next to a
-   neighbour may differ between cell and circuit. */
+   matched separately, because the rounding to the grid, and the fragments next
+   to a neighbour, may differ between cell and circuit. */
 #include "stitch.h"
 
 #include <eda/index.h>
@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Tolerance of twice the centre of a box, grid steps. In the cell and in the
-   circuit, each edge may be rounded by half a step. */
+/* Tolerance when the centres of two boxes are compared, in half grid steps.
+   Each edge may be rounded by half a step in the cell and in the circuit. */
 enum { NEAR = 4 };
 
 void stitch_init(stitch *s, const eda_gates *gates, double unit) {
@@ -48,7 +48,7 @@ static int64_t find_gate(const stitch *s, const entry *e, const turn *t,
   const eda_gates *g = s->gates;
   double steps = s->unit / g->grid;
   eda_box b = box_turned(t, e->box[j]);
-  /* twice the centre */
+  /* twice the coordinates of the centre */
   double x = (double)b.x0 + b.x1 + 2 * steps * (double)t->dx,
          y = (double)b.y0 + b.y1 + 2 * steps * (double)t->dy;
   int axis = t->xy ? EDA_X + EDA_Y - e->axis[j] : e->axis[j];
@@ -69,8 +69,8 @@ static int64_t find_gate(const stitch *s, const entry *e, const turn *t,
 
 /* ---- displacements ---- */
 
-/* Copy the parts of a gate in ascending order from the LOW end. `backwards`: 1
-   if the placement exchanges the ends of the width. */
+/* Copy the parts of a gate, in ascending order from the LOW end in the circuit.
+   `backwards`: 1: the placement exchanges the ends of the width. */
 static void turn_parts(const eda_part *from, int32_t width, int backwards,
                        eda_part *to) {
   int n = 0;

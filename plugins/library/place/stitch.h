@@ -7,13 +7,14 @@
 #include <correct/entry.h>
 #include <correct/units.h>
 
-/* Displacements of a circuit's transistors, and their figures in the cells. */
+/* Displacements of a circuit's transistors, and the figures of the transistors
+   in the cells. */
 typedef struct stitch {
   const eda_gates *gates;
   double unit; /* database unit of the layout, nm */
   eda_moved *moved;
   uint8_t *known;       /* [gates], 1: has the mask of a cell */
-  eda_performance cell; /* figures in the cell alone, of known transistors */
+  eda_performance cell; /* figures of known transistors in the cell alone */
   eda_index *index;     /* index of the transistors' boxes */
 } stitch;
 

@@ -20,12 +20,12 @@ typedef struct sheet {
 enum { NONE, ITSELF }; /* values of `neighbours` */
 
 /* Space between two cells, nm; larger than the search range of
-   segment.transistors. Cells do not interact optically, because library.build
-   extracts each cell from the sheet before simulation. */
+   segment.transistors. The space need not exceed the optical range, because
+   library.build extracts each cell from the sheet before simulation. */
 static const double gap = 4000;
 
-/* Step of positions, database units: a multiple of any mask grid, so that a
-   cell is rounded to the grid as at its own origin. */
+/* Step of positions, database units: a multiple of any mask grid, so that the
+   position does not change the rounding of a cell to the grid. */
 enum { STEP = 10000 };
 
 /* ---- work ---- */
@@ -134,10 +134,11 @@ static int sheet_place(maker *m, int32_t cell, const char *name,
   int around = m->sheet->neighbours == ITSELF;
   eda_point at = {0, 0};
   if (around && b.x0 > b.x1)
-    return opc_fail(m->error, OPC_INVALID, "boundary",
-                    "cell '%s' has no shape on layer '%s', so that the "
-                    "abutment box is unknown",
-                    name, m->sheet->boundary);
+    return opc_fail(
+        m->error, OPC_INVALID, "boundary",
+        "cell '%s' has no shape on layer '%s', expected its abutment "
+        "box",
+        name, m->sheet->boundary);
   if (around) {
     int32_t wide = b.x1 - b.x0, high = b.y1 - b.y0;
     extent = (eda_box){extent.x0 - wide, extent.y0 - high, extent.x1 + wide,
@@ -221,9 +222,9 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(sheet, layout, .type = OPC_INPUT, .flags = OPC_REQUIRED,
                   .choices = "layout",
                   .summary = "Layout of a circuit or a library"),
-    OPC_PARAMETER(
-        sheet, top, .type = OPC_TEXT,
-        .summary = "Cell whose cells are taken (default: all top cells)"),
+    OPC_PARAMETER(sheet, top, .type = OPC_TEXT,
+                  .summary = "Cell of the circuit whose cells are placed on "
+                             "the sheet (default: all top cells)"),
     OPC_PARAMETER(sheet, cells, .type = OPC_TEXT,
                   .summary = "Names of cells, with wildcards * and ?, "
                              "separated by spaces (default: all)"),

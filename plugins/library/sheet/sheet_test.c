@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests sheets of cells: each cell once, as drawn, at least the gap apart; with
-   neighbours, nine abutting copies. */
+/* Tests sheets of cells: each cell is placed once, as drawn, at least the gap
+   apart. With neighbours, there are nine abutting copies.. */
 #include "tests/library.h"
 
 enum { GAP = 4000, STEP = 10000 }; /* nm; database units, see README.md */
@@ -52,7 +52,8 @@ static eda_layout *many_cells(void) {
   }
   add_box(l, eda_layout_cell(l, "empty", &error), "outline",
           (eda_box){0, 0, 50, 50});
-  /* Less than 4 um would remain beside one cell, and below the other cell. */
+  /* Without the gap, less than 4 um would remain beside one cell and below
+     another. */
   add_box(l, eda_layout_find_cell(l, "wide"), "outline",
           (eda_box){0, 0, 9500, 300});
   add_box(l, eda_layout_find_cell(l, "long"), "outline",
@@ -94,7 +95,7 @@ static void test_cells(void) {
       g_assert_cmpint(MAX(x, y), >=, GAP);
     }
   }
-  g_assert_cmpint(right, <, 2 * upper); /* rows, not a single line */
+  g_assert_cmpint(right, <, 2 * upper); /* the cells are in several rows */
   g_assert_cmpint(upper, <, 2 * right);
   ran_clear(&r);
   eda_layout_free(l);
@@ -118,8 +119,8 @@ static void test_chosen(void) {
   eda_layout_free(l);
 }
 
-/* Nine outlines without gaps and overlaps; the rows above and below are
-   mirrored, poly included. */
+/* The nine outlines have no gaps or overlaps. In the rows above and below, all
+   shapes, including poly, are mirrored. */
 static void test_neighbours(void) {
   opc_error error;
   eda_layout *l = library_circuit();
@@ -135,8 +136,8 @@ static void test_neighbours(void) {
   eda_box b = eda_bounds(all.points, all.start[1]);
   eda_shapes poly = drawn(sheet, top, "poly");
   g_assert_cmpuint(poly.count, ==, 9);
-  /* The middle row is 120 below its active and 110 above: 200 nm of outline
-     minus those. */
+  /* Expected distances of the poly from the lower end of the outline, for the
+     three rows. The rows above and below the middle row are mirrored. */
   int32_t low[3] = {80 + 10, 850 + 80, 1700 + 80 + 10};
   for (size_t i = 0; i < 9; i++) {
     eda_box q = eda_bounds(poly.points + poly.start[i], 4);

@@ -540,11 +540,11 @@ static const opc_parameter parameters[] = {
                   .former = "limit",
                   .summary = "largest allowed |Ion deviation|; the synthesizer "
                              "stops when every transistor is within the limit"),
-    OPC_PARAMETER(
-        newton, fine, .type = OPC_CHOICE, .preset = "jog",
-        .choices = "jog|width|none",
-        .summary = "correction of the rounding error of L: by a jog in the "
-                   "poly, by the width of the active, or none"),
+    OPC_PARAMETER(newton, fine, .type = OPC_CHOICE, .preset = "jog",
+                  .choices = "jog|width|none",
+                  .summary =
+                      "correction of the rounding error of L: by a jog in the "
+                      "poly, by the width of the active, or none"),
     OPC_PARAMETER(
         newton, min_jog, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
         .follows = "0.155 lambda/NA",

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Extraction of a cell: window on the sheet, origin of the cell, and new
+/* State of an extraction: window on the sheet, origin of the cell, and new
    indices of the gates. */
 typedef struct cutter {
   const eda_gates *sheet;
@@ -188,8 +188,8 @@ int correct_cut_cell(const eda_gates *sheet, const eda_layout *layout,
   if (!name || p.mirror || p.angle != 0 || fabs(x - round(x)) > 1e-3 ||
       fabs(y - round(y)) > 1e-3)
     return opc_fail(error, OPC_INVALID, "sheet",
-                    "cell '%s' is not placed on the mask grid: 'sheet' must be "
-                    "the layout of library.sheet",
+                    "\"cell '%s' is not on the mask grid: expected the layout "
+                    "of library.sheet as 'sheet'\"",
                     eda_layout_cell_name(layout, out->cell));
   cutter c = {.sheet = sheet,
               .origin = {(int32_t)lround(x), (int32_t)lround(y)},

@@ -7,20 +7,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Unit of checksums, nm: finer than any drawing grid, and large enough for
-   cells of 10 mm. */
+/* Unit of checksums, nm: finer than any drawing grid, and coarse enough for the
+   coordinates of cells of 10 mm. */
 static const double finest = 0.01;
 
 enum {
   DEEPEST = 500
-}; /* deeper: a cycle of placements, which eda_layout_flatten
+}; /* a deeper hierarchy is a cycle of placements, which eda_layout_flatten
       reports */
 
 typedef struct traversal {
   const eda_layout *layout;
   int32_t poly, active;
   signed char *below; /* [cells], 1: the cell or a cell below draws poly or
-                         active; -1: none does; 0: not known */
+                         active; -1: neither does; 0: not known */
   units *out;
   opc_error *error;
 } traversal;
@@ -130,8 +130,8 @@ static int traverse_cell(traversal *w, int32_t cell, turn at, int depth) {
   return code;
 }
 
-/* Return an array with 1 for each cell placed by another; freed with
-   g_free(). */
+/* Return an array with 1 for each cell that another cell places. The caller
+   frees the array with g_free(). */
 static char *placed_cells(const eda_layout *layout) {
   size_t cells = eda_layout_cells(layout);
   char *placed = g_malloc0(cells + 1);

@@ -520,7 +520,7 @@ static void test_contours_in_strips(void) {
    process that computes larger and larger images. */
 static void test_forecast(void) {
 #ifdef __SANITIZE_ADDRESS__
-  g_test_skip("the sanitizer takes memory of its own");
+  g_test_skip("the sanitizer uses additional memory");
   return;
 #endif
   if (!g_test_subprocess()) {

@@ -23,9 +23,10 @@ typedef struct gate_srafs {
 /* Return a length in grid steps, at most 1e6. */
 int32_t correct_steps(const eda_gates *gates, double nm);
 
-/* Place the scatter bars into the loop's next mask. Call after `begin` of the
-   synthesizers. Returns OPC_OK, or OPC_INVALID if the synthesizer dissects the
-   poly layer or a scatter bar is narrower than the mask grid. */
+/* Place the scatter bars of all gates in the loop's next mask. Call after
+   `begin` of the synthesizers. Returns OPC_OK, or OPC_INVALID if the
+   synthesizer dissects the poly layer or a scatter bar is narrower than the
+   mask grid. */
 OPC_EXPORT int correct_assists_begin(struct loop *loop, opc_error *error);
 OPC_EXPORT void correct_assists_clear(struct loop *loop);
 
@@ -33,8 +34,9 @@ OPC_EXPORT void correct_assists_clear(struct loop *loop);
    plugin, extends beyond the simulation frame. */
 OPC_EXPORT int correct_assists_check(const struct loop *loop, opc_error *error);
 
-/* Remove the scatter bars of correct_assists_begin whose last simulated
-   intensity is within `margin` of the printing threshold. */
+/* Remove permanently the scatter bars of correct_assists_begin that nearly
+   print: in the last simulation, their intensity is within `margin` of the
+   printing threshold. */
 OPC_EXPORT void correct_assists_watch(struct loop *loop);
 
 /* Publish the metrics "assists" and "assists_dropped". */
@@ -45,24 +47,25 @@ OPC_EXPORT int correct_assists_report(const struct loop *loop,
   OPC_PARAMETER_NAMED(name_, state, assists.member, .type = OPC_REAL,        \
                       .flags = OPC_AT_LEAST, .unit = "nm", .follows = from_, \
                       .min = 0, .summary = text)
-#define ASSISTS_PARAMETERS(state)                                             \
-  OPC_PARAMETER_NAMED(                                                        \
-      "assist", state, assists.rows, .type = OPC_INT,                         \
-      .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0", .max = 4,           \
-      .summary = "Number of rows of scatter bars beside open gates"),         \
-      ASSISTS_LENGTH(state, "assist_width", width, "0.155 lambda/NA",         \
-                     "Width of a scatter bar"),                               \
-      ASSISTS_LENGTH(state, "assist_distance", distance, "0.7 lambda/NA",     \
-                     "Distance from drawn shapes to the first row"),          \
-      ASSISTS_LENGTH(state, "assist_space", space, "0.311 lambda/NA",         \
-                     "Space between scatter bars"),                           \
-      ASSISTS_LENGTH(state, "assist_min_length", min_length,                  \
-                     "0.389 lambda/NA", "Smallest length of a scatter bar"),  \
-      ASSISTS_LENGTH(state, "assist_overhang", overhang, "0.389 lambda/NA",   \
-                     "Length of a bar beyond each end of its gate"),          \
-      OPC_PARAMETER_NAMED("assist_margin", state, assists.margin,             \
-                          .type = OPC_REAL, .flags = OPC_AT_LEAST,            \
-                          .preset = "0.02", .min = 0,                         \
-                          .summary =                                          \
-                              "Smallest intensity margin to printing, clear " \
-                              "field 1; bars below it are removed")
+#define ASSISTS_PARAMETERS(state)                                              \
+  OPC_PARAMETER_NAMED(                                                         \
+      "assist", state, assists.rows, .type = OPC_INT,                          \
+      .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0", .max = 4,            \
+      .summary = "Number of rows of scatter bars beside each side of a gate"), \
+      ASSISTS_LENGTH(state, "assist_width", width, "0.155 lambda/NA",          \
+                     "Width of a scatter bar"),                                \
+      ASSISTS_LENGTH(state, "assist_distance", distance, "0.7 lambda/NA",      \
+                     "Distance from drawn shapes to the first row"),           \
+      ASSISTS_LENGTH(state, "assist_space", space, "0.311 lambda/NA",          \
+                     "Space between scatter bars"),                            \
+      ASSISTS_LENGTH(state, "assist_min_length", min_length,                   \
+                     "0.389 lambda/NA", "Smallest length of a scatter bar"),   \
+      ASSISTS_LENGTH(                                                          \
+          state, "assist_overhang", overhang, "0.389 lambda/NA",               \
+          "Extension of a scatter bar beyond each end of its gate"),           \
+      OPC_PARAMETER_NAMED(                                                     \
+          "assist_margin", state, assists.margin, .type = OPC_REAL,            \
+          .flags = OPC_AT_LEAST, .preset = "0.02", .min = 0,                   \
+          .summary =                                                           \
+              "Smallest intensity margin to printing, clear "                  \
+              "field 1; scatter bars with a smaller margin are removed")

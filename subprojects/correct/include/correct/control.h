@@ -20,8 +20,9 @@ enum {
 };
 
 typedef struct control {
-  double error; /* error of the last measurement, % */
-  double rest;  /* first error after the coarse phase or a restart, % */
+  double error; /* error in the previous iteration, % */
+  double rest;  /* error when the transistor left the coarse phase or restarted,
+                   % */
   double by_l;  /* |change of the error| by the last step of L, % per grid step;
                    0: none */
   uint8_t phase;     /* CONTROL_COARSE, CONTROL_FINE, CONTROL_SETTLED */
@@ -37,9 +38,11 @@ typedef struct control {
 /* Limits of all transistors. Displacements are in grid steps. */
 typedef struct control_rules {
   double limit;     /* largest accepted |error|, % */
-  int32_t most;     /* largest |bias| of L; of W also at most half the width */
+  int32_t most;     /* largest |bias| of L and W; W also moves by at most half
+                       the width */
   int32_t widest;   /* largest proportional step that widens a gate */
-  int proportional; /* 1: steps of W proportional to the error; 0: one grid */
+  int proportional; /* 1: steps of W are proportional to the error; 0: W moves
+                       by one grid step */
 } control_rules;
 
 /* Return the rules for an error limit in %, a largest bias in nm and a mask
@@ -55,21 +58,21 @@ typedef struct control_input {
   uint32_t veto; /* EDA_VETO_* */
 } control_input;
 
-/* Add the first correction to *l, a displacement in grid steps: `steps` or, if
-   `steps` is 0, one step that reduces |error|. Returns 1 if *l changed, 0 if
-   |error| is within the limit. */
+/* Add the first correction to *l, the displacement of L in grid steps. The
+   correction is `steps` or, if `steps` is 0, one step that reduces |error|.
+   Return 1 if *l changed, 0 if |error| is within the limit. */
 OPC_EXPORT int correct_control_first(const control_rules *r, control *c,
                                      const control_input *in, int32_t steps,
                                      int32_t *l);
 
-/* Apply the next step to *l; `w` is the present displacement of W. Returns 1 if
+/* Apply the next step to *l; `w` is the present displacement of W. Return 1 if
  *l changed, else 0. */
 OPC_EXPORT int correct_control_length(const control_rules *r, control *c,
                                       const control_input *in, int32_t *l,
                                       int32_t w);
 
 /* Apply the next step to *w if the transistor is in the fine phase. Call after
-   correct_control_length returned 0. Returns 1 if *w changed, else 0. */
+   correct_control_length returned 0. Return 1 if *w changed, else 0. */
 OPC_EXPORT int correct_control_width(const control_rules *r, control *c,
                                      const control_input *in, int32_t *w);
 

@@ -5,7 +5,7 @@
    The loop and the synthesizers receive, for each transistor, weighted
    geometric means of Ion, Ioff and area over the corners. If a displacement
    changes log(Ion) equally at all corners, the sum of squared deviations of
-   log(Ion) is smallest if the geometric mean equals the drawn Ion.
+   log(Ion) is smallest when the geometric mean equals the drawn Ion.
 
    Unless `free` is set, the mean effect of the corners on all n-transistors and
    on all p-transistors is not corrected, and nominal Ion stays within
@@ -20,21 +20,24 @@ struct loop;
 
 /* Parameters of the corners. */
 typedef struct corners_request {
-  opc_reals dose, focus, mask_error; /* %, nm, nm */
+  opc_reals dose, focus, mask_error; /* values in %, nm and nm; empty: nominal
+                                        only */
   opc_reals weight;
   double ion_cost; /* largest |deviation of nominal Ion| caused by corners, % */
   int free;        /* 1: no bound by ion_cost */
 } corners_request;
 
-/* A dose (%), a focus (nm) and a mask error (nm), relative to the nominal. */
+/* A dose (%), a focus (nm) and a mask error (nm), relative to the nominal
+   conditions. */
 typedef struct corner {
   double dose, focus, mask_error;
   double weight;   /* the sum over all corners is 1 */
-  size_t exposure; /* index of its images in corners.exposure */
+  size_t exposure; /* index of the images in corners.exposure */
   eda_measurement measured;
 } corner;
 
-/* A combination of a focus and a mask error: all corners that share images. */
+/* A combination of a focus and a mask error. Corners that differ only in dose
+   share the images of an exposure. */
 typedef struct exposure {
   eda_printer *printer; /* simulates the images: the loop's printer or `own` */
   eda_printer own;
@@ -50,8 +53,8 @@ typedef struct corners {
   eda_performance nominal; /* nominal performance of the last simulation */
 } corners;
 
-/* Return OPC_OK, or OPC_INVALID with the parameter's name if values, weights or
-   the number of corners are not valid. */
+/* Return OPC_OK, or OPC_INVALID with the parameter's name of the first value,
+   weight or number of corners that is not valid. */
 OPC_EXPORT int correct_corners_check(const corners_request *request,
                                      opc_error *error);
 
@@ -64,9 +67,9 @@ OPC_EXPORT size_t correct_corners_images(const corners_request *request);
 OPC_EXPORT int correct_corners_begin(struct loop *loop, opc_error *error);
 OPC_EXPORT void correct_corners_clear(struct loop *loop);
 
-/* Simulate the layers k of the loop's mask with layers[k] = 1 at all exposures
-   except the nominal one. `print` uses the fast, `refine` the accurate model.
- */
+/* Simulate layers of the loop's mask at all exposures except the nominal one.
+   layers[k]: 1: simulate layer k. `print` uses the fast model, `refine` the
+   accurate model. */
 OPC_EXPORT int correct_corners_print(struct loop *loop, const uint8_t *layers,
                                      opc_error *error);
 OPC_EXPORT int correct_corners_refine(struct loop *loop, const uint8_t *layers,
@@ -101,18 +104,18 @@ OPC_EXPORT int correct_corners_report(const struct loop *loop,
               "Weights of the corners: doses vary fastest, then foci, then "   \
               "masks (default: normal distribution with the outermost values " \
               "at sqrt(3) sigma)"),                                            \
-      OPC_PARAMETER_NAMED("corners.ion_cost", state, corners.ion_cost,         \
-                          .type = OPC_REAL, .former = "corners.limit",         \
-                          .flags = OPC_AT_LEAST, .unit = "%",                  \
-                          .preset = "0.5 %",                                   \
-                          .summary =                                           \
-                              "Largest |deviation of nominal Ion| of a "       \
-                              "transistor caused by the corners"),             \
+      OPC_PARAMETER_NAMED(                                                     \
+          "corners.ion_cost", state, corners.ion_cost, .type = OPC_REAL,       \
+          .former = "corners.limit", .flags = OPC_AT_LEAST, .unit = "%",       \
+          .preset = "0.5 %",                                                   \
+          .summary =                                                           \
+              "Largest |deviation of nominal Ion| of a "                       \
+              "transistor that the correction at corners may cause"),          \
       OPC_PARAMETER_NAMED("corners.free", state, corners.free,                 \
                           .type = OPC_BOOL, .preset = "false",                 \
                           .summary =                                           \
-                              "No bound by ion_cost: the mean over the "       \
-                              "corners becomes as drawn")
+                              "Correct the whole mean over the corners, "      \
+                              "without the bound ion_cost")
 
 #define CORNERS_METRICS                                                      \
   {"corners_ion_sd", "%", OPC_LOWER, 0.01,                                   \

@@ -12,12 +12,13 @@ typedef struct cut_out {
   eda_gates *gates; /* NULL: the cell has no transistor */
   uint8_t *own;     /* [gates], 1: gate of the cell, 0: of a neighbour; freed
                        with free() */
-  eda_box box;      /* bounding box of the cell, one grid step larger */
+  eda_box box;      /* bounding box of the cell, enlarged by one grid step */
 } cut_out;
 
 /* Extract the cell of instance i in the sheet's top cell; *out is empty if the
-   instance is a neighbour. Returns OPC_INVALID if library.sheet did not make
-   the layout. The caller frees *out with correct_cut_clear(). */
+   instance is a copy that library.sheet placed as a neighbour. Returns
+   OPC_INVALID if library.sheet did not make the layout. The caller frees *out
+   with correct_cut_clear(). */
 OPC_EXPORT int correct_cut_cell(const eda_gates *sheet,
                                 const eda_layout *layout, int32_t top, size_t i,
                                 cut_out *out, opc_error *error);

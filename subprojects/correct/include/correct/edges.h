@@ -5,10 +5,10 @@
 #include <eda/gates.h>
 #include <eda/synthesizer.h>
 
-/* Displacements of each gate, in grid steps (see eda_moves): width, lateral
-   shift of the width, length, jog, line ends [2 * i + side], lengths of
-   parts [EDA_PARTS * i + k]. The arrays are contiguous: first w and
-   aside of active, then the arrays of poly. */
+/* Displacements of all gates, in grid steps (see eda_moves). For gate i: width
+   w[i], shift along the width aside[i], length l[i], jog[i], line ends [2 * i +
+   side]; lengths of parts [EDA_PARTS * i + k]. The arrays are contiguous: first
+   w and aside of active, then the arrays of poly. */
 typedef struct biases {
   int32_t *w, *aside, *l, *jog, *end;
   eda_part *part;
@@ -27,9 +27,10 @@ typedef struct pieces {
   int32_t *by;
 } pieces;
 
-/* Allocate fragments. ..._of_edges: as many as displacements of a layer's gates
-   can require, with those of an earlier correction if `base` is 1. ..._of_cuts:
-   the fragments of a synthesizer, with displacement 0. */
+/* Allocate fragments. correct_pieces_of_edges allocates as many fragments as
+   the displacements of a layer's gates can require; `base`: 1: also those of an
+   earlier correction. correct_pieces_of_cuts copies the fragments of a
+   synthesizer and sets their displacements to 0. */
 OPC_EXPORT void correct_pieces_of_edges(const eda_edges *edges, int base,
                                         pieces *out);
 OPC_EXPORT void correct_pieces_of_cuts(const eda_cuts *cuts, pieces *out);
@@ -54,7 +55,7 @@ typedef struct boxes_lists {
   size_t count;
 } boxes_lists;
 
-/* Write all boxes as rectangles. The caller frees `out`. */
+/* Write all boxes of the lists as rectangles. The caller frees `out`. */
 OPC_EXPORT void correct_shapes_of_boxes(boxes_lists boxes, eda_shapes *out);
 
 /* Compute the mask of a layer: polygons and added boxes, minus the cut-outs, as

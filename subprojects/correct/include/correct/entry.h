@@ -19,7 +19,8 @@ typedef struct entry {
   char **flavour;         /* NULL-terminated */
   double *length, *width; /* drawn sizes, nm */
   double *design;         /* Ion of the drawn gate, A */
-  eda_performance after;  /* figures of the corrected cell in the sheet */
+  eda_performance after;  /* figures of the transistors after the correction of
+                             the cell */
   uint32_t *flags;
   eda_moved *moved;
 } entry;

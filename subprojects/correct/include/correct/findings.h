@@ -21,7 +21,7 @@ OPC_EXPORT void correct_findings_of_print(const opc_host *host,
                                           const uint32_t *flags,
                                           const uint32_t *before);
 
-/* Log the number of transistors worse than in the drawn mask, and the number of
-   reverted transistors. `held`: 1 if the guard was on. */
+/* Log the number of transistors that are worse than with the drawn mask, and
+   the number of reverted transistors. `held`: 1 if the guard was on. */
 OPC_EXPORT void correct_findings_of_guard(const opc_host *host,
                                           const guard *guard, int held);

@@ -6,15 +6,15 @@
 #include <eda/print.h>
 #include <opcflow/plugin.h>
 
-/* Set *fine to the image error of accurate simulations, clear field 1. `text`
-   is a number, "off" (error 0), or NULL: the error that `limit`, in % of Ion,
-   permits. Returns OPC_INVALID for any other text. */
+/* Set *fine to the image error of accurate simulations, clear field 1. `text`:
+   a number; "off": *fine is 0; NULL: *fine is the error that `limit`, in % of
+   Ion, permits. Return OPC_INVALID for any other text. */
 OPC_EXPORT int correct_fine_error(const char *text, double limit, double *fine,
                                   opc_error *error);
 
 /* Return the standard deviation of Ion, %, that image errors of accurate
-   simulations may cause, for correct_fine_by_layer; 0 if `text` sets one error
-   for all layers. */
+   simulations may cause, the argument `change` of correct_fine_by_layer. Return
+   0 if `text` sets one error for all layers. */
 OPC_EXPORT double correct_fine_change(const char *text, double limit);
 
 /* Set the image errors of accurate simulations of poly and active so that each
@@ -22,7 +22,7 @@ OPC_EXPORT double correct_fine_change(const char *text, double limit);
 
    The printer must hold the images of a fast simulation of the drawn mask. The
    sensitivity of Ion to an image error is computed from these images and the
-   same images at a slightly higher intensity. Sets nothing if `change` is 0 or
+   same images at a slightly higher intensity. Set nothing if `change` is 0 or
    no transistor prints. */
 OPC_EXPORT int correct_fine_by_layer(eda_printer *printer, const opc_host *host,
                                      const eda_gates *gates,
@@ -38,13 +38,13 @@ OPC_EXPORT int correct_fine_by_drawn(eda_printer *printer, const opc_host *host,
 
 /* If *margin, the width of the clear field around a layout, nm, is NAN, set it
    to the width that simulations with the error `fine` require, and log the
-   width. The required width is proportional to lambda/NA of the model (`litho`
+   result. The required width is proportional to lambda/NA of the model (`litho`
    NULL: see eda_natural) and to 1 / sqrt(fine). Otherwise check the given
-   width: log a finding if its error exceeds `fine`; return OPC_INVALID if it is
-   below 1.166 lambda/NA. */
+   width: log a finding if the error of the given width exceeds `fine`, and
+   return OPC_INVALID if the width is below 1.166 lambda/NA. */
 OPC_EXPORT int correct_fine_margin(const opc_host *host,
                                    const opc_module *litho, double fine,
                                    double *margin, opc_error *error);
 
-/* Default of `margin` for accurate simulations within 5e-5. */
+/* Default of `margin` for accurate simulations with an error of 5e-5. */
 #define FINE_MARGIN "11.658 lambda/NA"

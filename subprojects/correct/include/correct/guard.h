@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The guard reverts displacements until no transistor is worse in the final
    mask than in the drawn mask. A transistor is not worse if three conditions
-   hold. It prints if the drawn mask prints it. Its edges violate no rule of the
-   regulator that the drawn mask satisfies. Its |Ion deviation| is at most the
-   larger of the value as drawn and the limit of the loop.
+   hold: It prints if it prints with the drawn mask. With its edges, it violates
+   no rule of the regulator that it satisfies with the drawn mask. Its |Ion
+   deviation| is at most the larger of the value as drawn and the limit of the
+   loop.
 
    A worse transistor is reverted in steps: to its best displacements in the
-   loop with the present line ends, to half of the best, to the drawn edges. If
-   the transistor still does not print, all edges within a growing distance are
-   reverted. Otherwise the best of these steps is kept. If the kept step is
-   worse than the drawn mask, trial simulations find the cause: a rule or a
-   neighbour without which the transistor would not be worse. */
+   loop with the present line ends, to half of these displacements, and to the
+   drawn edges. If the transistor still does not print, all edges within a
+   growing distance are reverted. Otherwise the result of the best step is kept.
+   If that result is worse than the drawn mask, trial simulations search for the
+   cause. The cause is a shape of the regulator or a neighbour without which the
+   transistor would not be worse. */
 #pragma once
 
 #include <eda/regulator.h>
@@ -37,7 +39,8 @@ typedef struct gate_moves {
 /* State of one transistor. */
 typedef struct guarded {
   gate_moves best;   /* best displacements with the line ends `end` */
-  int32_t end[2];    /* displacements of the line ends, grid steps */
+  int32_t end[2];    /* displacements of the line ends that belong to `best`,
+                        grid steps */
   double off;        /* |Ion deviation| of `best`, %; INFINITY: none */
   double least;      /* smallest |Ion deviation| at a tried level, % */
   uint8_t pick;      /* level of `least` */
@@ -52,7 +55,8 @@ typedef struct guard {
   guarded *state;           /* [gates] */
   uint32_t *flags;          /* [gates], EDA_PRINT_* of the mask as drawn */
   eda_violation *drawn;     /* [rules], violations of the mask as drawn */
-  size_t rules, prints;     /* length of `drawn`; simulations by the guard */
+  size_t rules, prints;     /* length of `drawn`; number of simulations by the
+                               guard */
   size_t back, worse, lost; /* numbers of transistors: reverted, worse than
                                drawn, no longer printed */
 } guard;
@@ -61,8 +65,9 @@ OPC_EXPORT void correct_guard_init(guard *guard, size_t gates);
 OPC_EXPORT void correct_guard_clear(guard *guard);
 
 /* correct_guard_begin: record the simulation of the drawn mask, whose
-   performance is loop.before; a second call, after an accurate simulation,
-   replaces the record. correct_guard_watch: record a mask of the loop. */
+   performance is loop.before. A second call, after an accurate simulation,
+   replaces the record. correct_guard_watch: record the displacements of the
+   simulated mask as the best for each transistor that they improve. */
 OPC_EXPORT int correct_guard_begin(struct loop *loop, const eda_printed *drawn,
                                    opc_error *error);
 OPC_EXPORT void correct_guard_watch(struct loop *loop);
@@ -71,9 +76,9 @@ OPC_EXPORT void correct_guard_watch(struct loop *loop);
    last simulation, %; NAN if the gate does not print or has no target. */
 OPC_EXPORT double correct_guard_off(const struct loop *loop, size_t gate);
 
-/* Revert worse transistors, and simulate after each step, until none is worse
-   or no step remains. Then count reverted and worse transistors. Returns
-   OPC_CANCELLED if the run was stopped. */
+/* Revert worse transistors step by step, and simulate after each step, until no
+   transistor is worse or no step remains. Then count reverted and worse
+   transistors. Returns OPC_CANCELLED if the run was stopped. */
 OPC_EXPORT int correct_guard_hold(struct loop *loop, opc_error *error);
 /* Count reverted and worse transistors without a change of the mask. */
 OPC_EXPORT void correct_guard_count(struct loop *loop);

@@ -14,13 +14,13 @@ enum { LIBRARY_LITHO, LIBRARY_RESIST, LIBRARY_EXTRACTOR, LIBRARY_MODELS };
 OPC_EXPORT extern const char *const correct_library_models[LIBRARY_MODELS];
 
 typedef struct library_cell {
-  char *name, *geometry; /* name, checksum of the shapes (units.h) */
+  char *name, *geometry; /* name; checksum of the shapes (correct_units_sum) */
   entry *entry;          /* the correction */
 } library_cell;
 
 typedef struct library {
   char *model[LIBRARY_MODELS]; /* opc_host.identity of each model */
-  double grid;                 /* nm */
+  double grid;                 /* mask grid, nm */
   GArray *cells;               /* library_cell, of cells with transistors */
 } library;
 
@@ -28,8 +28,8 @@ OPC_EXPORT library *correct_library_new(double grid);
 OPC_EXPORT void correct_library_free(void *library);
 OPC_EXPORT int correct_library_check(const void *library, opc_error *error);
 
-/* Set `model` to the identities of a step's models. Returns OPC_OK or the code
-   of opc_results.identity. */
+/* Set `model` to the identities of the models in the slots of a step. Return
+   OPC_OK or the code of opc_results.identity. */
 OPC_EXPORT int correct_library_take_models(const opc_host *host,
                                            char *model[LIBRARY_MODELS],
                                            opc_error *error);

@@ -19,8 +19,8 @@
    other layers. */
 enum { MAIN, EDGES, DRIVERS };
 
-/* A synthesizer in the loop. The arrays are by layer; the values are NULL and 0
-   if the synthesizer did not dissect the layer into fragments. */
+/* A synthesizer in the loop. The arrays have an element for each layer, NULL or
+   0 if the synthesizer did not dissect the layer into fragments. */
 typedef struct driver {
   const opc_module *module; /* NULL: none */
   const double **epe;       /* edge placement errors of the fragments, nm */
@@ -40,8 +40,9 @@ typedef struct loop {
   const eda_moved *base; /* displacements of the start; NULL: none */
   eda_boxes *begun;      /* [2 * layers], shapes added by the start, then its
                             cut-outs */
-  uint8_t *still;        /* [gates], 1: keeps its mask; NULL: no transistor
-                            does, or not known yet */
+  uint8_t *still;        /* [gates], 1: the transistor keeps the mask of the
+                            start; NULL: no transistor does, or the choice has
+                            not been made yet */
   int prepared;          /* 1: the extractor is prepared */
   int traced;            /* 1: record each simulation in `trace` */
   int hold;              /* 1: the guard reverts transistors worse than drawn */
@@ -57,8 +58,9 @@ typedef struct loop {
   eda_shapes *mask;     /* [layers], polygons, added shapes and SRAFs, merged */
   sites *sites;         /* [layers], sites of dissected layers */
   trial now, next;      /* mask that was simulated last, and next mask */
-  int32_t *unused;      /* scratch biases for EDGES */
-  eda_measurement measured;       /* of `now`; mean over corners */
+  int32_t *unused;      /* biases that EDGES sets, which are ignored */
+  eda_measurement measured;       /* measurement of `now`; with corners, the
+                                     mean over the corners */
   eda_performance design, before; /* figures of the drawn shapes; figures of
                                      the simulated drawn mask */
   eda_measurement shown; /* measurement passed to synthesizers if `still` is
@@ -77,19 +79,19 @@ typedef struct loop {
 } loop;
 
 /* Set up a loop for gates and settings. The caller may change fields before
-   correct_loop_run, and frees the arrays with correct_loop_clear. Call on the
-   main thread. */
+   correct_loop_run, and must free the arrays with correct_loop_clear. Call on
+   the main thread. */
 OPC_EXPORT void correct_loop_init(loop *loop, const opc_host *host,
                                   const eda_gates *gates,
                                   const correct_settings *with);
 OPC_EXPORT int correct_loop_run(loop *loop, opc_error *error);
 
-/* Copy the mask `next` to `now`, then simulate and measure `now`. Layers
-   without a change are not simulated again unless `all` is 1. */
+/* Copy the mask `next` to `now`, then simulate and measure `now`. Do not
+   simulate layers whose mask is unchanged, unless `all` is 1. */
 OPC_EXPORT int correct_loop_print(loop *loop, int all, opc_error *error);
 
-/* Simulate `now` with the accurate model and measure the result. Layers that
-   already have an accurate image are not simulated again. */
+/* Simulate `now` with the accurate model and measure the result. Do not
+   simulate layers that already have an accurate image. */
 OPC_EXPORT int correct_loop_refine(loop *loop, opc_error *error);
 
 /* Return the shapes that the loop's start added to a layer or, if `cutouts` is

@@ -11,14 +11,18 @@
 
 /* Deviations of a simulated mask from the design. */
 typedef struct summary {
-  double ion_mean, ion_max, ion_stdv; /* %; thesis eq. 3.3 to 3.5; mean and
-                                         maximum of |deviation| */
-  double ion_rms, ioff_rms; /* %; eq. 2.5 is q1 ion_rms^2 + q2 ioff_rms^2 */
+  double ion_mean, ion_max, ion_stdv; /* mean and maximum of |Ion deviation|,
+                                         and standard deviation, %; thesis eq.
+                                         3.3 to 3.5 */
+  double ion_rms, ioff_rms; /* root mean squares, %; thesis eq. 2.5 is q1
+                               ion_rms^2 + q2 ioff_rms^2 */
   double area_mean, area_max, ioff_mean, ioff_max; /* of |deviation|, % */
   double ioff_total[3]; /* deviation of the sum of Ioff from the drawn sum, %,
                            of n-, p- and all transistors; NAN if there are
                            none */
-  size_t gates, failed, outside; /* statistics exclude failed transistors */
+  size_t gates, failed, outside; /* numbers of transistors: all, not printed,
+                                    with extrapolated figures; statistics
+                                    exclude `failed` */
   double epe_mean, epe_max;      /* |edge placement error|, nm */
   size_t sites, lost; /* measured sites; sites without an edge within reach */
 } summary;
@@ -59,17 +63,20 @@ typedef struct summary {
     "ion_max_drawn", "%", OPC_NEUTRAL, 0,              \
         "largest |Ion deviation| of the mask as drawn" \
   }
-/* Metrics that compare with the drawn mask and with the regulator's rules. */
-#define REPORT_JUDGED_METRICS                                                \
-  {"worse", NULL, OPC_LOWER, 0,                                              \
-   "transistors whose |Ion deviation| exceeds that as drawn and the limit"}, \
-      {"lost", NULL, OPC_LOWER, 0,                                           \
-       "transistors that print as drawn but not as corrected"},              \
-      {"violations", NULL, OPC_LOWER, 0,                                     \
-       "violations of the regulator's rules by the print"},                  \
-  {                                                                          \
-    "violations_unexplained", NULL, OPC_LOWER, 0,                            \
-        "violations caused neither by the drawn layout nor by a parameter"   \
+/* Metrics that compare the mask with the drawn mask and with the regulator's
+   rules. */
+#define REPORT_JUDGED_METRICS                                                 \
+  {"worse", NULL, OPC_LOWER, 0,                                               \
+   "transistors whose |Ion deviation| exceeds both the value with the drawn " \
+   "mask and the limit"},                                                     \
+      {"lost", NULL, OPC_LOWER, 0,                                            \
+       "transistors that print with the drawn mask but not with the "         \
+       "corrected mask"},                                                     \
+      {"violations", NULL, OPC_LOWER, 0,                                      \
+       "violations of the regulator's rules by the printed contours"},        \
+  {                                                                           \
+    "violations_unexplained", NULL, OPC_LOWER, 0,                             \
+        "violations caused neither by the drawn layout nor by a parameter"    \
   }
 /* clang-format on */
 
@@ -138,8 +145,8 @@ typedef struct report {
   const opc_module *synthesizer;
   char *const *held;            /* [gates], verdict of the guard; NULL: none */
   const uint32_t *flags_before; /* [gates], EDA_PRINT_* of the mask as drawn */
-  const eda_mask *corrected;    /* the mask with the figures of the correction
-                                   loop, for a comparison */
+  const eda_mask *corrected;    /* mask with the figures of the correction loop,
+                                   with which the table compares */
 } report;
 
 /* Publish the tables and metrics of a mask. */

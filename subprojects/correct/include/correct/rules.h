@@ -7,7 +7,8 @@
 #include <opcflow/follow.h>
 
 /* A rule in a layer: numbers of violations in the drawn layer and in the mask;
-   smallest violating value in the mask and its position, nm; NAN: none. */
+   worst (smallest) value in the mask and its position, nm; NAN: no
+   violation. */
 typedef struct rules_row {
   const char *layer, *rule;
   double limit;

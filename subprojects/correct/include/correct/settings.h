@@ -25,13 +25,13 @@ typedef struct correct_settings {
                               none */
   double margin;           /* clear field around the layout, nm */
   double ion_limit;        /* largest allowed |Ion deviation|, % */
-  double rules[EDA_RULES]; /* smallest sizes of the mask, nm */
+  double rules[EDA_RULES]; /* limits of the mask rules, nm */
   int guard;
 } correct_settings;
 
-/* Compute `fine` and `margin` from the parameters. Returns OPC_INVALID with the
-   parameter name `fine` or `margin` of a value that is not valid. Call on the
-   main thread. */
+/* Compute `fine` and `margin` from the parameters. Return OPC_INVALID with the
+   name of the parameter if `fine` or `margin` is not valid. Call on the main
+   thread. */
 OPC_EXPORT int correct_settings_check(correct_settings *with,
                                       const opc_host *host, opc_error *error);
 
@@ -44,11 +44,12 @@ OPC_EXPORT void correct_forecast(const correct_settings *with,
                                  opc_forecast *out);
 
 /* Simulate and measure the shapes of a mask, with the accurate model if one
-   exists. Sets print, after, flags and the numbers of simulations of the mask.
-   Sets design if it is NULL; else prepare the extractor before the call.
+   exists. Set print, after, flags and the numbers of simulations of the mask.
+   If the mask has no design, compute the design; otherwise the caller must
+   prepare the extractor before the call.
 
-   `sized`: 1: the resist may calibrate itself with these transistors; 0: the
-   gates are a part of a larger layout. If `flags_before` is not NULL, the drawn
+   `sized`: 1: the resist may be calibrated with these transistors; 0: the gates
+   are a part of a larger layout. If `flags_before` is not NULL, the drawn
    layers are simulated first: *flags_before receives their EDA_PRINT_*, and the
    mask's fields drawn_print and before are set. *extension, [2 * gates],
    receives the printed line-end extensions, nm. The caller frees both arrays
@@ -57,7 +58,7 @@ OPC_EXPORT int correct_print(const correct_settings *with, const opc_host *host,
                              int sized, eda_mask *mask, uint32_t **flags_before,
                              double **extension, opc_error *error);
 
-/* Find all violations of the regulator's rules; the caller frees *violations
+/* Find all violations of the regulator's rules. The caller frees *violations
    with free(). Call on the main thread. */
 OPC_EXPORT int correct_violations(const opc_context *context,
                                   const opc_module *regulator,
@@ -65,8 +66,9 @@ OPC_EXPORT int correct_violations(const opc_context *context,
                                   eda_violation **violations, size_t *count,
                                   opc_error *error);
 
-/* Save a mask: opc_step.save of a step whose output is a mask.
-   correct_sketch_mask: make a mask without shapes, for opc_step.sketch. */
+/* correct_save_mask: save a mask; opc_step.save of a step whose output is a
+   mask. correct_sketch_mask: make a mask without shapes; opc_step.sketch of
+   such a step. */
 OPC_EXPORT int correct_sketch_mask(const eda_gates *gates, void **outputs);
 OPC_EXPORT int correct_save_mask(void *self, void *const *outputs,
                                  const char *folder, opc_error *error);
@@ -94,12 +96,12 @@ OPC_EXPORT int correct_save_mask(void *self, void *const *outputs,
                       .preset = "100", .min = 0, .max = 100000,             \
                       .summary = (SUMMARY))
 
-#define CORRECT_MARGIN(state)                                             \
-  OPC_PARAMETER_NAMED("margin", state, with.margin, .type = OPC_REAL,     \
-                      .flags = OPC_AT_LEAST, .unit = "nm", .min = 0,      \
-                      .summary =                                          \
-                          "Clear field around the layout, which repeats " \
-                          "beyond (default: as required by 'fine')")
+#define CORRECT_MARGIN(state)                                           \
+  OPC_PARAMETER_NAMED("margin", state, with.margin, .type = OPC_REAL,   \
+                      .flags = OPC_AT_LEAST, .unit = "nm", .min = 0,    \
+                      .summary =                                        \
+                          "Width of the clear field around the layout " \
+                          "(default: as required by 'fine')")
 
 #define CORRECT_FINE(state)                                                    \
   OPC_PARAMETER_NAMED(                                                         \

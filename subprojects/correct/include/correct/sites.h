@@ -10,13 +10,13 @@ typedef struct sites {
   double *place; /* x and y of each site, nm */
   uint8_t *axis; /* axis of the normal: EDA_X, EDA_Y */
   int8_t *out;   /* outward direction along the axis, +1 or -1 */
-  double *epe;   /* nm; NAN: no edge within reach */
+  double *epe;   /* edge placement errors, nm; NAN: no edge within reach */
 } sites;
 
 /* Set up the sites of fragments from `cuts`, which eda_check_cuts accepted. */
 OPC_EXPORT void correct_sites_init(sites *sites, const eda_cuts *cuts);
 OPC_EXPORT void correct_sites_clear(sites *sites);
-/* Measure the edge placement errors in parallel from a level set. */
+/* Measure the edge placement errors from a level set, in parallel. */
 OPC_EXPORT void correct_sites_measure(const opc_context *context,
                                       const sites *sites,
                                       const eda_field *print,

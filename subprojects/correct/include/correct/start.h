@@ -11,8 +11,9 @@ struct loop;
 typedef struct loop_start {
   const eda_mask *mask; /* NULL: start from the drawn edges */
   /* Largest increase of |Ion deviation| (thesis eq. 4.1), %, from mask->before
-     to the first simulation, for which a transistor keeps its mask. All other
-     transistors are corrected; NAN: all transistors are corrected. */
+     to the first simulation, for which a transistor keeps its mask. Transistors
+     with a larger increase are corrected. NAN: all transistors are
+     corrected. */
   double max_diff;
 } loop_start;
 
@@ -26,13 +27,14 @@ OPC_EXPORT int correct_start_check(const loop_start *start,
 OPC_EXPORT int correct_start_hold(struct loop *loop, opc_error *error);
 
 /* Remove the shapes that the earlier regulator added or cut out near violations
-   of the first simulation, because they were made for other neighbours. Keep
-   all other shapes, because the regulator cannot detect a fault that a shape
-   already repairs. */
+   of the first simulation, because these shapes were made for other neighbours.
+   Keep all other shapes, because the regulator cannot detect a fault that a
+   shape already repairs. */
 OPC_EXPORT void correct_start_prune(struct loop *loop);
 
-/* Multiply Ion of a fast simulation by exp(-moved->seen), the ratio of accurate
-   to fast Ion in the earlier correction, to approximate accurate Ion. */
+/* Multiply Ion of a fast simulation by exp(-moved->seen), to approximate the
+   Ion of an accurate simulation. The factor is the ratio of accurate to fast
+   Ion in the earlier correction. */
 OPC_EXPORT void correct_start_correct(const eda_moved *moved,
                                       eda_performance *printed);
 

@@ -13,7 +13,7 @@ typedef struct trace_row {
   double l, w, jog, end_low, end_high; /* displacements of the mask, nm */
   double ion, ioff, area;              /* deviations, %; NAN: does not print */
   const char *print;
-  int64_t vetoes; /* EDA_VETO_* after the preceding simulation */
+  int64_t vetoes; /* EDA_VETO_*, set after the preceding simulation */
 } trace_row;
 
 /* Rows of all transistors, in the order of simulations. */

@@ -16,8 +16,9 @@ enum {
 typedef struct trial {
   size_t layers, gates;
   biases biases;
-  size_t *fragments;  /* lengths of `shift` */
-  int32_t **shift;    /* of layers dissected by a synthesizer; else NULL */
+  size_t *fragments;  /* [layers], lengths of the arrays of `shift` */
+  int32_t **shift;    /* [layers], displacements of the fragments of a dissected
+                         layer; else NULL */
   eda_boxes *added;   /* shapes added by the regulator */
   eda_boxes *cutouts; /* shapes cut out by the regulator */
   eda_boxes *assists; /* SRAFs of the synthesizers */
@@ -41,7 +42,7 @@ OPC_EXPORT void correct_trial_copy(trial *to, const trial *from);
 /* Replace *to by a copy of `from`, which may be a part of *to. */
 OPC_EXPORT void correct_trial_set_boxes(eda_boxes *to, eda_boxes from);
 
-/* Replace *to by a copy of two lists. */
+/* Replace *to by a copy of the boxes of both lists. */
 OPC_EXPORT void correct_trial_set_both(eda_boxes *to, eda_boxes first,
                                        eda_boxes second);
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Verification of a correction with fast simulations by accurate simulations.
-
-   The first displaced mask is simulated with both models. The difference of
-   the accurate and the fast image is added to the images of all later fast
-   simulations and to the image of the drawn mask. When the synthesizers have
-   finished, the final mask is simulated with the accurate model. If its figures
-   differ too much, the difference is updated and the loop continues. */
+/* Verification, by accurate simulations, of a correction that uses fast
+   simulations. ¶ The first displaced mask is simulated with both models. The
+   difference of the accurate and the fast image is added to the images of all
+   later fast simulations and to the image of the drawn mask. When the
+   synthesizers have finished, the final mask is simulated with the accurate
+   model. If its figures differ too much from those of the fast simulation, the
+   difference is updated and the loop continues. */
 #pragma once
 
 #include <eda/print.h>
@@ -19,17 +19,17 @@ typedef struct verification {
   eda_field *image; /* both [layers]; NULL: not kept */
 } verification;
 
-/* Largest number of verifications. The difference of the images changes by
-   about a fifth between two verifications (see the README). Two failed
-   verifications indicate a loop that does not converge. */
+/* Largest number of verifications. Between two verifications, the difference of
+   the images changes by about a fifth (plugins/correct/README.md). If two
+   verifications fail, the loop probably does not converge. */
 enum { VERIFICATIONS = 3 };
 
 /* Store the fast simulation of the drawn mask. */
 OPC_EXPORT int correct_verification_begin(struct loop *loop, opc_error *error);
 OPC_EXPORT void correct_verification_clear(struct loop *loop);
 
-/* Return 1 if the last simulation is the first of a displaced mask, so that an
-   accurate simulation must follow. */
+/* Return 1 if the last simulation is the first simulation of a displaced mask,
+   after which an accurate simulation must follow. */
 OPC_EXPORT int correct_verification_is_early(const struct loop *loop);
 
 /* Correct the figures of the drawn mask by the difference of the images. */
