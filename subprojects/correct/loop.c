@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the loop of thesis figures 2.1, 3.1 and 5.1. The loop simulates a
    mask, extracts the performance of each transistor, and lets synthesizers
-   displace edges of the mask within the limits of a regulator. The loop ends
-   when the synthesizers are done. All algorithms are plugins; the loop passes
-   arrays between them. */
+   displace mask edges within the limits of a regulator, until all synthesizers
+   are done. All algorithms are plugins; the loop passes arrays between them. */
 #include <correct/loop.h>
 
 #include <eda/check.h>
@@ -64,8 +63,7 @@ static int loop_measure(loop *l, const uint8_t *printed, opc_error *error) {
   int code = eda_measure(l->host->context, l->gates, l->printer.print,
                          l->extractor, &l->measured, error);
   if (code) return code;
-  /* Images after an accurate simulation already include the difference of the
-     models. */
+  /* After an accurate simulation, images include the difference of models. */
   if (l->base && !l->printer.fine_simulations)
     correct_start_correct(l->base, &l->measured.performance);
   return correct_corners_measure(l, error);
@@ -163,9 +161,8 @@ static int loop_rule(loop *l, eda_ruling *ruling, opc_error *error) {
   int code = eda_call_rule(l->host->context, l->regulator, &p, ruling, error);
   if (code) return eda_blame(error, code, "regulator");
   for (size_t k = 0; k < l->gates->layers; k++) {
-    /* The regulator's added shapes repair the drawn edges of transistors. If a
-       synthesizer dissects poly or active, no shapes are added; violations are
-       only counted. */
+    /* Added shapes repair drawn edges of transistors. In poly and active layers
+       that a synthesizer dissects, violations are only counted. */
     if (l->gates->count && k <= EDA_ACTIVE && l->next.shift[k]) continue;
     correct_trial_set_both(&l->next.added[k], correct_loop_begun(l, k, 0),
                            ruling->added[k]);
@@ -269,8 +266,8 @@ static int cut_layer(loop *l, size_t layer, opc_error *error) {
   return OPC_OK;
 }
 
-/* Warn of layers that no synthesizer moves, and of a synthesizer `edges` that
-   moves no layer. */
+/* Warn of layers that no synthesizer moves, and of `edges` without any
+   layer. */
 static void loop_log_idle(const loop *l) {
   const opc_host *host = l->host;
   int edges = 0;
@@ -327,8 +324,7 @@ static int driver_move(loop *l, int which, eda_moves *moves, opc_error *error) {
   return OPC_OK;
 }
 
-/* Let a synthesizer compute displacements. Discard the biases of gates that
-   EDGES sets. */
+/* Let a synthesizer compute displacements; discard biases that EDGES sets. */
 static int driver_update(loop *l, int which, opc_error *error) {
   size_t n = l->gates->count, layers = l->gates->layers;
   const biases *b = &l->next.biases;
@@ -360,8 +356,7 @@ static int driver_update(loop *l, int which, opc_error *error) {
 
 /* ---- the loop ---- */
 
-/* Return the largest |Ion deviation|, % or, without transistors, the largest
-   |EPE|, nm. */
+/* Return the largest |Ion deviation|, %; without transistors, |EPE|, nm. */
 static double loop_worst(const loop *l) {
   return l->summary.gates ? l->summary.ion_max : l->summary.epe_max;
 }
@@ -404,8 +399,7 @@ static int move_all(loop *l, const int *ruled, opc_error *error) {
     if (!d->module || (d->done && !ruled[which])) continue;
     d->done = 0;
     code = driver_update(l, which, error);
-    /* The regulator's change has not been simulated yet, so the synthesizer
-       must be called again. */
+    /* Continue, because the regulator's change has not been simulated yet. */
     if (ruled[which] && ends_anytime(d)) d->done = 0;
   }
   return code;
@@ -446,8 +440,7 @@ static int loop_iterate(loop *l, opc_error *error) {
   return code;
 }
 
-/* Count violations without a stated cause, which the regulator may still
-   repair. */
+/* Count violations without a stated cause, which may still be repaired. */
 static int count_open(loop *l, size_t *count, opc_error *error) {
   eda_violation *v = NULL;
   size_t n = 0;
@@ -461,8 +454,8 @@ static int count_open(loop *l, size_t *count, opc_error *error) {
   return code;
 }
 
-/* Iterate until an accurate simulation verifies the result, or until
-   VERIFICATIONS verifications have failed. */
+/* Iterate until an accurate simulation verifies the result, at most
+   VERIFICATIONS times. */
 static int loop_iterate_verified(loop *l, opc_error *error) {
   int code = OPC_OK, holds = 0;
   for (int k = 0; k < VERIFICATIONS && !holds && !code; k++) {

@@ -71,8 +71,8 @@ static int newton_begin(void *self, const eda_feedback *f, opc_error *error) {
 
 /* ---- work: the next mask of one transistor ---- */
 
-/* Return the allowed part of a step dx from x. Set *why if a veto or the bound
-   `most` limits the step. */
+/* Return a step dx limited by vetoes and by the bound `most`, the cause in
+ *why. */
 static double move_bounded(double x, double dx, double most, uint32_t veto_up,
                            uint32_t veto_down, uint8_t *why) {
   if ((dx > 0 && veto_up) || (dx < 0 && veto_down)) {
@@ -93,9 +93,8 @@ static void errors_after(const transistor *s, double l, double w,
 }
 
 /* Return mask `b`, or a mask with a jog at or beside the end of a part if its
-   length is nearer to l. A jog near the end of a part moves that end and so
-   changes the length. mask_with_jog may therefore find no jog with the wanted
-   length. */
+   length is nearer to l. mask_with_jog may find no such jog, because a jog near
+   the end of a part moves that end and so changes the length. */
 static biases mask_clear_jog(const newton *t, size_t i, double l, int32_t least,
                              biases b) {
   const parts *p = &t->parts[i];
@@ -135,9 +134,9 @@ static biases mask_with_jog(const newton *t, const eda_gates *g, size_t i,
   return mask_clear_jog(t, i, l, least, b);
 }
 
-/* Return `best`, or a mask whose W differs by up to two steps and whose jog is
-   adapted, if its predicted errors are smaller. Narrow gates need this choice,
-   because a jog changes their length in large steps. */
+/* Return `best` or, if its predicted errors are smaller, a mask whose W differs
+   by up to two steps. A jog of a narrow gate changes the length in large
+   steps. */
 static biases mask_with_width(const newton *t, const eda_feedback *f, size_t i,
                               biases best) {
   static const int only_l[MOVES] = {1, 0};
@@ -172,9 +171,8 @@ static biases mask_with_width(const newton *t, const eda_feedback *f, size_t i,
   return found;
 }
 
-/* Return the mask on the grid for the wanted moves dx of L and W. L compensates
-   for the rounding of W. A jog or W compensates for the rounding of L, as the
-   parameter `fine` selects. */
+/* Return the mask on the grid for wanted moves dx. L corrects the rounding
+   error of W; a jog or W corrects that of L (`fine`). */
 static biases mask_on_grid(const newton *t, const eda_feedback *f, size_t i,
                            const double dx[MOVES], double enough, int cut) {
   static const int only_l[MOVES] = {1, 0}, only_w[MOVES] = {0, 1};
@@ -210,8 +208,8 @@ static double mask_expected_size(const newton *t, size_t i, biases next) {
   return hypot(errors_size(t, rest), errors_size(t, wrong));
 }
 
-/* Compute the move of W that corrects Ioff, and add to dx the move of L that
-   compensates for its effect on Ion. */
+/* Compute the move of W that corrects Ioff, and the move of L that restores
+   Ion. */
 static void move_with_leakage(const newton *t, const eda_feedback *f, size_t i,
                               uint32_t veto, double dx[MOVES]) {
   static const int both[MOVES] = {1, 1}, only_l[MOVES] = {1, 0};
@@ -254,8 +252,7 @@ static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
                           double enough, uint8_t *why, int *cut) {
   static const int only_w[MOVES] = {0, 1};
   const transistor *s = &t->state[i];
-  /* Vetoes apply to mask `now`; after a failure the step starts at `valid`,
-     whose vetoes are unknown. */
+  /* Vetoes of `valid`, where the step after a failure starts, are unknown. */
   uint32_t veto = s->failed ? 0 : f->vetoes[i];
   int free[MOVES], repaired;
   double dx[MOVES], by_w[MOVES], wanted;
@@ -288,9 +285,8 @@ static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
   return next;
 }
 
-/* Return the next mask of a transistor that has never printed: L increases if
-   the line is open and decreases if the line is merged. A known bracket is
-   bisected. */
+/* Return the next mask of a transistor that has never printed: longer for an
+   open line, shorter for a merged one. A known bracket is bisected. */
 static biases mask_search(const newton *t, const eda_feedback *f, size_t i) {
   const transistor *s = &t->state[i];
   double grid = f->gates->grid, step = ceil(tuned.open_step / grid);
@@ -302,8 +298,7 @@ static biases mask_search(const newton *t, const eda_feedback *f, size_t i) {
   return (biases){(int32_t)lround(l), s->now.w, 0, s->now.shape, s->now.aside};
 }
 
-/* Choose moves of edge parts that make the printed length uniform. Return
-   whether the shape changes. */
+/* Choose moves of edge parts for a uniform length. Return 1 if they change. */
 static int edges_flatten(newton *t, const eda_feedback *f, size_t i) {
   transistor *s = &t->state[i];
   if (!newton_reshapes(t, f)) return 0;
@@ -391,8 +386,7 @@ static int newton_is_done(newton *t, int64_t print) {
                    (mean <= newton_ion_limit(t) / tuned.mean_part || unchanged);
 }
 
-/* End the correction of Ioff: return to `best`; from then on, only L moves, to
-   correct Ion. */
+/* Return to `best` and end the correction of Ioff; only L moves, for Ion. */
 static void newton_settle(newton *t) {
   t->settled = 1;
   t->weight[IOFF] = 0;
@@ -401,8 +395,7 @@ static void newton_settle(newton *t) {
     s->revert = !biases_equal(s->now, s->best);
     s->best_size = s->revert ? INFINITY : errors_size(t, s->error);
     s->size = s->settled_size = errors_size(t, s->error);
-    s->trust.error[SHORT] = s->trust.error[LONG] = 0; /* these errors belong to
-                                                         another W */
+    s->trust.error[SHORT] = s->trust.error[LONG] = 0; /* for another W */
   }
 }
 
@@ -551,9 +544,7 @@ static const opc_parameter parameters[] = {
         .summary = "least distance of a jog from both ends of the edge"),
     OPC_PARAMETER(newton, iterations, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "16", .min = 1,
-                  .max = 1000,
-                  .summary = "number of moves after which all transistors "
-                             "return to their best mask"),
+                  .max = 1000, .summary = "largest number of moves"),
     OPC_PARAMETER(newton, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "nm", .follows = "0.311 lambda/NA",
                   .summary = "largest correction of L or W; W also changes by "
