@@ -266,8 +266,7 @@ static int cut_layer(loop *l, size_t layer, opc_error *error) {
   return OPC_OK;
 }
 
-/* Warn of layers that no synthesizer moves, and of `edges` without any
-   layer. */
+/* Warn of layers that no synthesizer moves, and of `edges` without a layer. */
 static void loop_log_idle(const loop *l) {
   const opc_host *host = l->host;
   int edges = 0;
@@ -310,8 +309,8 @@ static int loop_begin(loop *l, opc_error *error) {
   return code;
 }
 
-/* Let a synthesizer set displacements in `next`. Store scatter bars only for
-   the layers of this synthesizer. */
+/* Let a synthesizer set displacements in `next`. Store scatter bars of its own
+   layers only. */
 static int driver_move(loop *l, int which, eda_moves *moves, opc_error *error) {
   driver *d = &l->drivers[which];
   eda_feedback f = feedback_of(l, d);
@@ -365,8 +364,8 @@ static const char *worst_unit(const loop *l) {
   return l->summary.gates ? "%" : "nm";
 }
 
-/* Log that the loop ends before its synthesizers have finished, unless all
-   transistors are within the limit. */
+/* Log that the loop ends before its synthesizers have finished. If all
+   transistors are within the limit, log no finding. */
 static void loop_log_unconverged(const loop *l) {
   int within = l->summary.gates && loop_worst(l) <= l->ion_limit;
   l->host->log(l->host, within ? OPC_LOG_INFO : OPC_LOG_FINDING,
@@ -454,8 +453,7 @@ static int count_open(loop *l, size_t *count, opc_error *error) {
   return code;
 }
 
-/* Iterate until an accurate simulation verifies the result, at most
-   VERIFICATIONS times. */
+/* Iterate until an accurate simulation verifies the result (VERIFICATIONS). */
 static int loop_iterate_verified(loop *l, opc_error *error) {
   int code = OPC_OK, holds = 0;
   for (int k = 0; k < VERIFICATIONS && !holds && !code; k++) {

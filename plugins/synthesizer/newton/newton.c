@@ -135,8 +135,7 @@ static biases mask_with_jog(const newton *t, const eda_gates *g, size_t i,
 }
 
 /* Return `best` or, if its predicted errors are smaller, a mask whose W differs
-   by up to two steps. A jog of a narrow gate changes the length in large
-   steps. */
+   by up to two steps (for narrow gates, whose jogs have a large effect). */
 static biases mask_with_width(const newton *t, const eda_feedback *f, size_t i,
                               biases best) {
   static const int only_l[MOVES] = {1, 0};
@@ -171,8 +170,8 @@ static biases mask_with_width(const newton *t, const eda_feedback *f, size_t i,
   return found;
 }
 
-/* Return the mask on the grid for wanted moves dx. L corrects the rounding
-   error of W; a jog or W corrects that of L (`fine`). */
+/* Return the mask on the grid for wanted moves dx. L corrects the rounding of
+   W, a jog or W that of L (`fine`). */
 static biases mask_on_grid(const newton *t, const eda_feedback *f, size_t i,
                            const double dx[MOVES], double enough, int cut) {
   static const int only_l[MOVES] = {1, 0}, only_w[MOVES] = {0, 1};
@@ -208,8 +207,7 @@ static double mask_expected_size(const newton *t, size_t i, biases next) {
   return hypot(errors_size(t, rest), errors_size(t, wrong));
 }
 
-/* Compute the move of W that corrects Ioff, and the move of L that restores
-   Ion. */
+/* Compute the moves of W that corrects Ioff and of L that restores Ion. */
 static void move_with_leakage(const newton *t, const eda_feedback *f, size_t i,
                               uint32_t veto, double dx[MOVES]) {
   static const int both[MOVES] = {1, 1}, only_l[MOVES] = {1, 0};
@@ -244,10 +242,9 @@ static double width_bounded(const newton *t, const eda_feedback *f, size_t i,
 }
 
 /* Return the mask after Newton's step of one transistor. W moves if the weights
-   require moves of W, or if L cannot correct Ion. L cannot correct Ion if L is
-   vetoed or at its bound, or if the regulator undoes moves of L, so that the
-   trust radius is below a grid step. If W cannot move either, L moves
-   nevertheless. */
+   require moves of W, or if L cannot correct Ion. This is so if L is vetoed or
+   at its bound, or if the regulator undoes moves of L (trust radius below a
+   grid step). If W cannot move either, L moves. */
 static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
                           double enough, uint8_t *why, int *cut) {
   static const int only_w[MOVES] = {0, 1};
