@@ -24,18 +24,19 @@ enum {
   LARGEST = 128,
   NODES = 32, /* nodes of a subinterval of the integrals */
   PIECES = 3,
-  LANES = 8, /* nodes per vector */
-  /* Sums to preserve: width, area, Ion, Ioff; with edge currents (edges.h) also
-     the sum of the shares of each edge current. */
+  LANES = 8, /* nodes per vector instruction */
+  /* Sums to preserve: width, area, Ion, Ioff; with edge currents (edges.h),
+     also the sum of the shares of each edge current. */
   MOMENTS = 6,
   WIDE_MOMENTS = 4,
   PLACES = LARGEST + 2, /* nodes, and one slice for each unprinted end */
-  MORE = 2              /* number of larger sizes tried if no widths fit */
+  MORE = 2              /* number of larger sizes that are tried if no widths
+                           fit */
 };
 static const int sizes[SIZES] = {12, 16, 20, 24, 32, 48, 64, 96, LARGEST};
 
-/* Largest contribution of the last two terms of a series to a length, nm; the
-   mean is far smaller. 1 nm changes Ion by 2 to 5 %. */
+/* Largest contribution of the last two terms of a series to a length, nm; on
+   average the contribution is far smaller. 1 nm changes Ion by 2 to 5 %. */
 static const double enough = 0.02;
 /* Width of the regions at both ends of the gate's width that have subintervals
    of their own in the integrals, because the length may change fast there, nm.
@@ -211,7 +212,7 @@ static void shape_integrate(const contour *c, const shape *h,
   shape_lengths(h, n, x, length);
   for (int k = 0; k < MOMENTS; k++) sum[k] = 0;
   shape_add_places(h, n, x, length, share, sum);
-  /* Parts of the width where the line does not print. */
+  /* Fractions of the width at both ends in which the line does not print. */
   const double gone[2] = {h->from, 1 - h->to};
   for (int side = 0; side < 2; side++) {
     double f[MOMENTS] = {0}, place = side ? (1 + h->to) / 2 : h->from / 2;
@@ -297,8 +298,8 @@ static int slices_fit(const slices *s, int moments, double *width) {
       for (int m = 0; m <= k; m++)
         a[k][m] += width[i] * s->f[i][k] * s->f[i][m];
     }
-  /* Slices of a rectangle have equal functions: the matrix would be singular.
-   */
+  /* All slices of a rectangle have equal functions, so the matrix would be
+     singular. */
   for (int k = 0; k < moments; k++) a[k][k] *= 1 + 1e-12;
   if (!cholesky_solve(a, r, moments)) return 1;
   double factor[PLACES] = {0}, least = 0;

@@ -6,7 +6,11 @@
 #include <eda/curves.h>
 #include <eda/extractor.h>
 
-enum { CONTOUR_LEAST = 8, CONTOUR_MOST = 96 }; /* number of slices */
+enum {
+  CONTOUR_LEAST = 8,
+  CONTOUR_MOST = 96
+}; /* least and largest number of
+      slices */
 
 /* Return the weight of a slice at `edge` nm from the nearer active edge of a
    transistor of `width` nm. The weight is the current divided by the current of

@@ -9,22 +9,23 @@
 
 #include <eda/curves.h>
 
-/* Edge current of a transistor, by current. */
+/* Edge currents of a transistor, one for each of Ion and Ioff. */
 typedef struct edges {
   eda_curves_width width;
   double decay[EDA_CURRENTS]; /* decay length, nm */
   double most[EDA_CURRENTS];  /* share at the edge; the mean over W is 1 */
 } edges;
 
-/* Return the edge currents of a transistor `width` nm wide. The decay length is
-   `reach` nm, or longer if a slice would otherwise have a negative current. */
+/* Return the edge currents of a transistor `width` nm wide. `reach`: decay
+   length, nm; a longer decay length is used if a slice would otherwise have a
+   negative current. */
 static inline edges edges_of(const eda_curves *c, int type, double width,
                              double reach) {
   edges e = {.width = eda_curves_among(c, width)};
   if (!(width > 0)) e.width.is_wide = 1;
   for (int k = 0; k < EDA_CURRENTS && !e.width.is_wide; k++) {
     double least = eda_curves_least_share(c, type, k, &e.width);
-    /* With this bound, 1 - (1 - least) * most is above 0. */
+    /* This bound keeps 1 - (1 - least) * most above 0. */
     e.decay[k] = fmax(reach, 2 * (1 - least) * width / least);
     double u = width / (2 * e.decay[k]);
     e.most[k] = u / -expm1(-u);

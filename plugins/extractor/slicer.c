@@ -48,7 +48,9 @@ void slicer_slice(const void *self, const eda_printed_gate *gate, double *place,
   const slicer *s = self;
   size_t n = (size_t)s->slices;
   const eda_curves *curves = eda_curves_of(&s->curves, gate->flavour);
-  if (!curves) curves = &s->curves; /* slicer_extract reports a missing table */
+  if (!curves)
+    curves = &s->curves; /* slicer_extract reports a missing table as
+                            an error */
   if (s->contour && contour_slice(s->contour, curves, s->reach, s->weight, s,
                                   gate, n, place, width))
     return;
@@ -78,7 +80,8 @@ typedef struct strips {
   int type;
   size_t count;
   const double *width, *length, *edge; /* one value per slice */
-  double sum, area;                    /* sum of the widths, nm; area, nm^2 */
+  double sum, area;                    /* sum of the widths, nm; area of the
+                                          gate, nm^2 */
   edges edges;
 } strips;
 
@@ -179,7 +182,8 @@ static void place_slices(slicer *s) {
     gsl_integration_glfixed_point(0, 1, i, &s->place[i], &s->width[i], t);
     sum += s->width[i];
   }
-  /* GSL's weights of some n are accurate only to 1e-11. */
+  /* GSL's weights are accurate only to 1e-11 for some n, so normalise their
+     sum. */
   for (size_t i = 0; i < n; i++) s->width[i] /= sum;
   gsl_integration_glfixed_table_free(t);
 }

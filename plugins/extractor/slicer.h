@@ -13,9 +13,9 @@ typedef struct slicer {
   const char *path; /* path of the device table */
   int64_t slices;
   int rule;
-  double *place, *width; /* [slices]: centres and widths of slices, fractions
-                            of the gate's width. For the rule `contour`: used
-                            if contour_slice fails */
+  double *place, *width; /* [slices]: centres and widths of slices, fractions of
+                            the gate's width. With the rule `contour`, they are
+                            used only if contour_slice fails. */
   contour *contour;      /* NULL: the rule is not `contour` */
   eda_curves curves;
   contour_weight *weight; /* weight of a slice; NULL: all weights are 1 */

@@ -80,7 +80,8 @@ static int check_points(const opc_reals *v, opc_error *error) {
    percent and a phase in degrees. */
 static void mask_amplitude(double transmission, double phase, double out[2]) {
   double a = sqrt(transmission / 100);
-  /* Phases of 0 and 180 degrees are exact, so that the masks are real. */
+  /* Compute phases of 0 and 180 degrees exactly, so that these masks are
+     real. */
   double turn = remainder(phase, 360);
   out[0] = a * (fabs(turn) == 180 ? -1 : cos(turn * M_PI / 180));
   out[1] = fabs(turn) == 180 || turn == 0 ? 0 : a * sin(turn * M_PI / 180);
@@ -89,17 +90,18 @@ static void mask_amplitude(double transmission, double phase, double out[2]) {
 /* Limits of wavelength / NA, nm. All lengths of an image scale with wavelength
    / NA. The range includes extreme ultraviolet (6.7 nm, NA 0.56) and the g line
    (436 nm, NA 0.11). At both limits, the choice of kernels or the calibration
-   of a resist takes about ten seconds; a factor of 2 beyond, four times as
-   long. */
+   of a resist takes about ten seconds; beyond a limit by a factor of 2, it
+   takes four times as long. */
 static const double least_unit = 12, most_unit = 4000;
 
 /* Largest |Zernike coefficient|, waves. Good lenses are below 0.05. Beyond the
    limit, the phase varies too fast for the nodes of the kernels. */
 static const double most_waves = 10;
 
-/* Check wavelength / NA, called unit. The message states the sizes of images.
-   The largest pattern for kernels is 4 x 8 units on a grid of 32 nm. A line for
-   the calibration of a resist is 4 um x 4 um with six samples per unit. */
+/* Check wavelength / NA, the unit of lengths. The message states the sizes of
+   two images. The largest pattern for kernels has 4 x 8 units on a grid of 32
+   nm. A line for the calibration of a resist has 4 um x 4 um with six samples
+   per unit. */
 static int check_unit(const optics *o, opc_error *error) {
   double unit = o->wavelength / o->na;
   if (unit >= least_unit && unit <= most_unit) return OPC_OK;
@@ -191,7 +193,7 @@ void optics_warn(const optics *o, const opc_host *host) {
 /* ---- the source ---- */
 
 /* Return the signed distance of (x, y) from the border of the source, positive
-   inside, or a value of equal sign and smaller magnitude. */
+   inside, or a lower bound of its magnitude with the same sign. */
 static double source_depth(const optics *o, double x, double y) {
   double r = hypot(x, y);
   if (o->source == OPTICS_CIRCULAR) return o->sigma - r;

@@ -10,9 +10,10 @@
 
 enum {
   OPTICS_CIRCULAR,   /* disk of radius sigma */
-  OPTICS_ANNULAR,    /* sigma_in to sigma */
+  OPTICS_ANNULAR,    /* ring from sigma_in to sigma */
   OPTICS_DIPOLE,     /* two disks of radius (sigma - sigma_in) / 2 */
-  OPTICS_QUADRUPOLE, /* four such disks, on the axes at rotation 0 */
+  OPTICS_QUADRUPOLE, /* four disks of the same radius, on the axes at rotation
+                        0 */
   OPTICS_QUASAR,     /* four sectors of an annulus, of angle `opening` */
   OPTICS_LIST        /* parameter points: x1, y1, weight1, x2, ... */
 };
@@ -45,15 +46,17 @@ enum { OPTICS_TERMS = 37 };
 /* Settings of the scanner. Frequencies are in units of the cutoff NA /
    wavelength. */
 typedef struct optics {
-  double wavelength, na, index; /* nm, 1, 1 */
+  double wavelength, na, index; /* wavelength, nm; numerical aperture;
+                                   refractive index of the medium */
   int polarisation;
   double resist_index; /* refractive index of the resist, for polarised light */
   int resist_index_given;
   int source;
-  double sigma, sigma_in;   /* in units of the pupil's radius */
-  double opening, rotation; /* degrees */
+  double sigma, sigma_in;   /* radii of the source, in units of the pupil's
+                               radius */
+  double opening, rotation; /* angle of a pole, and rotation, degrees */
   opc_reals points;         /* for OPTICS_LIST */
-  double defocus;           /* nm */
+  double defocus;           /* distance of the wafer from the focus, nm */
   opc_reals zernike;        /* waves, fringe (University of Arizona) order, from
                                Z1 */
   struct {
@@ -63,8 +66,8 @@ typedef struct optics {
   int given[OPTICS_USES]; /* 1: set by the flow */
   int zernike_given;
 
-  /* Set by optics_check. */
-  double cutoff; /* 1/nm */
+  /* The members below are set by optics_check. */
+  double cutoff; /* NA / wavelength, 1/nm */
   /* Amplitude of the background and of the drawn features of a mask, real and
      imaginary: 1 and 0 for a binary clear-field mask. [poly, active] */
   double background[2][2], feature[2][2];

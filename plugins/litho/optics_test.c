@@ -88,7 +88,7 @@ static void test_moments(void) {
 }
 
 /* Test that a disk has one point for each cell that it touches, with weights by
- * area; inner weights are equal. */
+   area; inner weights are equal. */
 static void test_points(void) {
   optics o = air;
   o.source = OPTICS_CIRCULAR;
@@ -127,8 +127,8 @@ static double term(int z, double x, double y) {
   return atan2(im, re) / (2 * M_PI) / 0.01;
 }
 
-/* Return the term in the University of Arizona's list; r and a are polar
-   coordinates. */
+/* Return a term as written in the list of the University of Arizona; r and a
+   are polar coordinates. */
 static double written(int z, double r, double a) {
   double r2 = r * r;
   switch (z) {
@@ -226,7 +226,8 @@ static void test_pupil(void) {
   g_assert_cmpfloat(
       fabs(atan2(im, re) + 2 * M_PI * 100 / 193 * (sqrt(1 - s2) - 1)), <,
       1e-12);
-  /* At the edge of a pupil as wide as the medium permits. */
+  /* Compute the phase at the edge of a pupil that is as wide as the medium
+     permits. */
   o = (optics){.wavelength = 193, .na = 1, .index = 1, .defocus = 40};
   optics_pupil(&o, 0, 0, -1, &re, &im);
   g_assert_cmpfloat(fabs(re - cos(2 * M_PI * 40 / 193)), <, 1e-12);

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* Reduction of the lens; equal in all scanners since 1990. */
+/* Reduction of the lens, which is the same in all scanners since 1990. */
 static const double reduction = 4;
 
 enum { X, Y, Z, AXES };

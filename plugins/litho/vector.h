@@ -38,8 +38,8 @@ void vector_factors(const optics *o, const double from[2], double x, double y,
                     double out[VECTOR_PARTS]);
 
 /* Return 1 if the factor of a part is an odd function of y for a source point
-   on the x axis; otherwise the factor is even. Not for polarisations x and y.
-   [any] */
+   on the x axis; otherwise the factor is even. Not valid for polarisation along
+   x or y. [any] */
 int vector_is_odd(const optics *o, size_t part);
 
 /* Return the contribution of a source point at `from` to the clear field before

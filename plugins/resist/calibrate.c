@@ -21,7 +21,7 @@ static const char *const sources[RESIST_SETS][3] = {
     {"active_anchor", "active_table", "active_table_file"}};
 
 /* Upper limit of line widths and pitches, nm: a hundred times the range of
-   optical interaction. Larger values make the calibration slow; at 2 mm the
+   optical interaction. Larger values make the calibration slow, and at 2 mm the
    coordinates of lines overflow. */
 static const double most = 1e5;
 
@@ -64,7 +64,8 @@ static int take_table(resist_layer *r, opc_error *error) {
       return opc_fail(error, OPC_INVALID, r->source,
                       "pair %zu of '%s', (%g nm, %g nm): %s", i + 1, r->source,
                       pair[0], pair[1], why);
-    r->lines[i].line = r->anchor.line; /* may be NAN */
+    r->lines[i].line = r->anchor.line; /* may be NAN: the width of the anchor
+                                          line, not yet known */
   }
   return OPC_OK;
 }
@@ -121,16 +122,18 @@ void resist_take_gates(void *self, const eda_gates *gates) {
 static const char least_line[] = "0.2526 lambda/NA",
                   least_pitch[] = "0.9715 lambda/NA";
 
-/* A line so wide that its edges do not interact: 1 um at 193 nm, NA 0.75. */
+/* Default anchor of active: a line so wide that its edges do not interact, 1 um
+   at 193 nm, NA 0.75. */
 static const char wide_line[] = "3.886 lambda/NA";
 
-/* Smallest k1 of printable dense lines (B. J. Lin; also in eda/natural.h). */
+/* Smallest k1 (half-pitch or line over wavelength / NA) of printable dense
+   lines (B. J. Lin; source in eda/natural.h). */
 static const double least_k1 = 0.25;
 
-/* Limits of the ratio of gate length to anchor line. Beyond the limits, the
-   anchor is assumed to belong to another process. Thick-oxide gates are up to
-   2.2 times as long as the anchor of their process (GF180MCU: 600 and 280 nm).
-   Chosen for opcflow. */
+/* Limits of the ratio of the shortest gate length to the anchor line. Beyond
+   the limits, a warning states that the anchor probably belongs to another
+   process. Thick-oxide gates are up to 2.2 times as long as the anchor of their
+   process (GF180MCU: 600 and 280 nm). Chosen for opcflow. */
 static const double longer = 2.25, shorter = 0.8;
 
 static void drawn_log(const resist_base *r, const char *id, resist_line a,
@@ -146,8 +149,8 @@ static void drawn_log(const resist_base *r, const char *id, resist_line a,
                  id, d->line);
 }
 
-/* Return the default anchor, which depends on the optics only, if the layout is
-   unknown or has no transistors. */
+/* Return the default anchor of poly for a layout that is unknown or has no
+   transistors. It depends on the optics only. */
 static resist_drawn drawn_default(const resist_base *r, const char *id,
                                   eda_scanner scanner) {
   resist_drawn d = {.line = eda_natural(&scanner, least_line),
@@ -175,7 +178,7 @@ static int set_line(resist_layer *r, double line, opc_error *error) {
   return OPC_OK;
 }
 
-/* Set the values of the anchor of poly that are not given, from the gates of
+/* Set the values of poly's anchor that are not given to those of the gates of
    the layout. */
 static int anchor_take_drawn(const resist_base *resist, resist_layer *r,
                              const char *id, eda_scanner scanner,
@@ -287,7 +290,7 @@ typedef struct fitting {
   const resist_base *resist;
   const resist_layer *layer;
   const opc_module *litho;
-  const char *id; /* of the plugin */
+  const char *id; /* id of the plugin, for messages */
   resist_terms *terms;
   specimen *specimens;
   size_t n; /* number of terms */
@@ -303,7 +306,8 @@ static const double isolation = 4000;
 
 /* Error of the images of lines, clear field 1; one of the errors of accurate
    simulations (correct/fine.c), so that kernels are reused. Half of the error
-   changes thresholds by 4e-6 of the clear field, 0.05 pm of a line's width. */
+   changes thresholds by 4e-6 of the clear field, and the width of a line by
+   0.05 pm. */
 static const double image_error = 1e-4;
 
 /* Compute the image of a vertical line. The line has the height of the frame,
@@ -324,7 +328,7 @@ static int image_line(const fitting *f, const resist_line *l, eda_field *field,
   int code =
       eda_litho_spectrum(context, litho, &line, unit, frame, &mask, error);
   if (code) return code;
-  /* Use the accurate image if the model has one. */
+  /* Use the accurate image if the model has an accurate image. */
   code = model->image_fine
              ? model->image_fine(litho->self, f->layer->set, &mask, 0,
                                  image_error, field, error)
@@ -436,9 +440,8 @@ static int least_squares(double *j, double *r, size_t rows, size_t m,
 }
 
 /* Compute one Gauss-Newton step: the change of the fitted coefficients that
-   corrects the printed widths to first order. Errors are evaluated at the
-   wanted edges if `wanted` is 1, else at the printed edges. Return 0 on
-   failure. */
+   corrects the printed widths to first order. `wanted`: 1: evaluate errors at
+   the wanted edges; 0: at the printed edges. Return 0 on failure. */
 static int fit_step(const fitting *f, const double *a, int wanted, double *j,
                     double *r, double change[RESIST_TERMS]) {
   size_t m = 0, rows = f->layer->count;
@@ -470,9 +473,9 @@ static double sum_of_squares(const fitting *f) {
   return sum;
 }
 
-/* Iterate Gauss-Newton steps. Halve a step as long as a line does not print or
-   the error increases. Return 0 if no coefficients print all lines, or if the
-   columns are linearly dependent. */
+/* Iterate Gauss-Newton steps. Halve a step if a line does not print or the
+   error increases. Return 0 if the lines do not all print with any tried
+   coefficients, or if the columns are linearly dependent. */
 static int fit_iterate(const fitting *f, double *a) {
   size_t rows = f->layer->count;
   double *j = eda_alloc(rows * (RESIST_TERMS + 1), sizeof *j);
@@ -497,7 +500,7 @@ static int fit_iterate(const fitting *f, double *a) {
     ok = fit_step(f, a, 0, j, r, change);
   }
   free(j);
-  /* Rejected trial steps have changed the edges; compute them again. */
+  /* Rejected steps have changed the edges, so compute the edges again. */
   return ok && isfinite(best) && find_edges(f, a);
 }
 

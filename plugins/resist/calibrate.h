@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Common part of resist models: parameters of a layer, and coefficients fitted
-   so that lines print to their widths.
+/* Common part of resist models: the parameters of a layer, and coefficients
+   that are fitted so that lines print to their widths.
 
    A resist has a threshold field, the sum of coefficient[k] * term[k]. Term 0
    is the constant 1; the other terms are fields computed from the image. A dark
@@ -27,16 +27,17 @@ typedef struct resist_line {
 typedef struct resist_layer {
   resist_line anchor; /* NAN: not given */
   /* Gates that define values of the anchor that are not given: parameter
-     anchor.gates (gates), or gates of the present step (drawn). NULL: none. */
+     anchor.gates (gates), or gates of the simulating step (drawn). NULL:
+     none. */
   const eda_gates *gates, *drawn;
   int gates_given;
-  int logged; /* 1: the anchor, or a warning about it, was logged */
+  int logged; /* 1: the anchor, or a warning about the anchor, was logged */
   opc_reals table;
   int table_given;
-  const char *file; /* NULL: none */
+  const char *file; /* CSV file of the table; NULL: none */
   int bright;       /* 1: bright features print */
 
-  /* Set by resist_layer_check. */
+  /* The members below are set by resist_layer_check. */
   int set;
   const char *source; /* name of the parameter that defines the lines */
   resist_line *lines; /* [count], the anchor, or the rows of the table */
@@ -46,7 +47,8 @@ typedef struct resist_layer {
 /* First member of the instance of every resist. */
 typedef struct resist_base {
   const opc_host *host;
-  double diffusion; /* standard deviation of the blur of the image, nm */
+  double diffusion; /* standard deviation of the Gaussian blur of the image,
+                       nm */
   resist_layer layer[RESIST_SETS];
 } resist_base;
 
@@ -81,7 +83,7 @@ typedef struct resist_base {
    OPC_FIELD(resist_base, layer[set].file)},                                  \
   {.name = prefix "tone", .type = OPC_CHOICE, .preset = "dark",               \
    .choices = "dark|bright",                                                  \
-   .summary = "features of " what " that print: dark or bright",              \
+   .summary = "features of " what " that print: dark or bright features of the image",              \
    OPC_FIELD(resist_base, layer[set].bright)}
 /* clang-format on */
 
@@ -117,7 +119,7 @@ int resist_layer_check(resist_layer *layer, int set, opc_error *error);
 /* Implement eda_resist.drawn. */
 void resist_take_gates(void *self, const eda_gates *gates);
 
-/* Implement opc_plugin.clear for plugins without data of their own. */
+/* Implement opc_plugin.clear for resists without further data. */
 void resist_clear(void *self);
 
 /* Return 1 if a table is given. */
@@ -132,12 +134,10 @@ enum { RESIST_TERMS = 4 };
 typedef int resist_terms(const resist_base *resist, const eda_field *image,
                          size_t n, eda_field *out, opc_error *error);
 
-/* Fit the coefficients k < n with fit[k] = 1 of a set of layers, with all other
-   coefficients fixed, by least squares of the errors of printed widths
-   (Gauss-Newton). `terms` may be NULL if n is 1. Reads the table file. Logs
-   each line of a table in the name of plugin `id`. Return OPC_OK or an error.
-   [main]
- */
+/* Fit coefficients of a set of layers by least squares of the errors of printed
+   widths (Gauss-Newton). fit[k], k < n: 1: fit coefficient k; 0: keep its
+   value. `terms` may be NULL if n is 1. Read the table file. Log each line of a
+   table in the name of plugin `id`. Return OPC_OK or an error. [main] */
 int resist_fit(resist_base *resist, int set, const opc_module *litho,
                const char *id, resist_terms *terms, size_t n, const int *fit,
                double *coefficient, opc_error *error);
@@ -146,6 +146,6 @@ int resist_fit(resist_base *resist, int set, const opc_module *litho,
 
 /* Convert the blurred image of a layer in place to its level set: positive
    where a feature prints. The threshold is `constant` plus, if `variable` is
-   not NULL, that field on the same grid. */
+   not NULL, the values of the field `variable`, which has the same grid. */
 void resist_print(const resist_base *resist, int layer, double constant,
                   const eda_field *variable, eda_field *field);

@@ -46,7 +46,7 @@ static int64_t pitch_of(const eda_gates *g, const eda_index *index, size_t i,
 }
 
 /* Sort n > 0 numbers and return the most frequent number, the smallest of
-   equally frequent numbers. *times receives its frequency. */
+   equally frequent numbers. *times receives the number of its occurrences. */
 static int64_t most_frequent(int64_t *all, size_t n, size_t *times) {
   int64_t best = 0;
   *times = 0;
@@ -65,7 +65,8 @@ int resist_drawn_of(const eda_gates *g, resist_drawn *out) {
   if (!g->count) return 0;
   for (size_t i = 0; i < g->count; i++)
     out->line = fmin(out->line, g->length[i]);
-  double most = out->line + g->grid / 2; /* equal within half a grid step */
+  double most = out->line + g->grid / 2; /* lengths within half a grid step are
+                                            equal */
   int64_t *pitch = eda_alloc(g->count, sizeof *pitch);
   eda_index *index = eda_index_new(g->box, g->count,
                                    (int32_t)fmin(reach / g->grid, INT32_MAX));

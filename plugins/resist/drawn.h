@@ -5,7 +5,7 @@
 #include <eda/gates.h>
 
 typedef struct resist_drawn {
-  double line, pitch; /* nm */
+  double line, pitch; /* length of the shortest gate, and pitch, nm */
   size_t gates;       /* number of gates of length `line` */
   size_t pitches;     /* number of pitches between such gates; 0: `pitch` is
                          assumed */
@@ -15,6 +15,7 @@ typedef struct resist_drawn {
 /* Find the length of the shortest gate and the most frequent centre-to-centre
    distance of two such gates side by side. The shortest length is the nominal
    length of a process and occurs in nearly every cell, while the most frequent
-   length varies between cells. The smallest pitch is not used: gates in series
-   without a contact, however rare, would define it. Return 0 without gates. */
+   length varies between cells. The smallest pitch is not used: even a single
+   pair of gates in series without a contact would define the pitch. Return 0
+   without gates. */
 int resist_drawn_of(const eda_gates *gates, resist_drawn *out);

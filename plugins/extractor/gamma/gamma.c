@@ -47,7 +47,7 @@ static int gamma_prepare(void *self, opc_error *error) {
 
 /* ---- parameters ---- */
 
-/* Parameters of the edge term of a type and a current. */
+/* Parameters of the edge term for one transistor type and one current. */
 /* clang-format off */
 #define TERM(group, what, t, c, text)                                         \
   {.name = group "." what "_edge", .type = OPC_REAL, .flags = OPC_ABOVE,      \

@@ -51,15 +51,16 @@ static double slope(double t) { return 60 + 14 * t; }
 static double two_lengths(double t) { return t < 0.5 ? 60 : 75; }
 static double middle;
 static double any(double t) { return t < 2 ? middle : 0; }
-/* Length increasing towards one end, as where the poly continues. */
+/* Return a length that increases towards one end, as at an end where the poly
+   continues. */
 static double flare = 10;
 static double flared(double t) { return middle + flare * pow(t, 20); }
 static double tabulated(double t) { return t < 2 ? 70 : 0; }
 static double no_length(double t) { return t < 2 ? 0 : 1; }
 static double wild(double t) { return t < 2 ? NAN : 1; }
 
-/* A rounded line end: the squared length is linear, from 30^2 (or 45^2) at one
-   active edge to 110^2 at the other. */
+/* Least length of a rounded line end. The squared length is linear, from 30^2
+   (or 45^2) at one active edge to 110^2 at the other. */
 static double low = 30;
 static double rounded(double t) {
   return sqrt(low * low + (110 * 110 - low * low) * t);
@@ -131,7 +132,7 @@ static void test_nearest(void) {
     double from = i ? (place[i - 1] + place[i]) / 2 : 0;
     double to = i + 1 < SLICES ? (place[i] + place[i + 1]) / 2 : 1;
     g_assert_cmpfloat(fabs(share[i] - (to - from)), <, 1e-9);
-    /* Places are symmetric. */
+    /* Positions are symmetric. */
     g_assert_cmpfloat(fabs(place[i] + place[SLICES - 1 - i] - 1), <, 1e-9);
   }
 }
@@ -150,8 +151,8 @@ static void test_trapezoid(void) {
     assert_near(f.leq_ion, 65 - 30 * log(ion / 400 / 1e-6), within);
     assert_near(f.leq_ioff, 65 - 6 * log(ioff / 400 / 1e-6), within);
     assert_near(f.area, 400 * 67, 1e-7);
-    g_assert_cmpfloat(f.leq_ioff, <, f.leq_ion); /* equivalent length of leakage
-                                                    is the shortest */
+    g_assert_cmpfloat(f.leq_ioff, <, f.leq_ion); /* the equivalent length of
+                                                    leakage is shorter */
   }
 }
 
@@ -185,8 +186,9 @@ static void test_rounded(void) {
 /* Test the contour rule against many equal slices. */
 static void test_many(void) {
   static shape *const shapes[] = {rippled, rounded, ended, ellipse};
-  static const double extension[] = {80, 20, -40, -40}; /* nm, with a width of
-                                                           400 nm */
+  static const double extension[] = {80, 20, -40, -40}; /* extension of the poly
+                                                           at one end, nm, for a
+                                                           width of 400 nm */
   g_autofree char *file = write_table("many.yaml", 1);
   g_autoptr(opc_module) m = module_make(file, "", OPC_OK);
   g_autoptr(opc_module) many = make_rule(file, "equal", 10000);
@@ -219,7 +221,7 @@ static void test_two_lengths(void) {
 }
 
 /* Test extrapolation beyond the ends of the table, down to a quarter of its
-   shortest length, and the marks of such figures. Degenerate gates are sliced
+   shortest length, and the flags of such figures. Degenerate gates are sliced
    equally. */
 static void test_outside(void) {
   g_autofree char *file = write_table("outside.yaml", 1);
@@ -235,7 +237,7 @@ static void test_outside(void) {
       g_assert_cmpuint(f.outside, ==, middle < 40 || middle > 120);
     }
   }
-  /* The smallest difference that counts as another length. */
+  /* Test the smallest difference of two lengths that are distinguished. */
   g_autoptr(opc_module) m = module_make(file, "", OPC_OK);
   middle = 120.05;
   g_assert_cmpuint(of_gate(m, EDA_NMOS, 100, any, 100).outside, ==, 1);
@@ -274,7 +276,9 @@ static void test_in_part(void) {
       assert_near(f.ion, g.ion, 1e-5);
       assert_near(f.ioff, g.ioff, 1e-4);
       double part = notable_part(end);
-      if (fabs(part - 1) < 0.2) continue; /* within the accuracy of 12 slices */
+      if (fabs(part - 1) < 0.2)
+        continue; /* the threshold is uncertain by the
+                     accuracy of 12 slices */
       g_assert_cmpuint(g.outside, ==, part > 1);
       g_assert_cmpuint(f.outside, ==, part > 1);
       part > 1 ? marked++ : not_marked++;
@@ -385,21 +389,22 @@ static void test_widths(void) {
       }
       g_assert_cmpuint(of_gate(m, EDA_PMOS, 119, straight, 100).outside, ==, 1);
     }
-  /* Beyond the end of the line the length is the shortest allowed one, and
-     edges reduce its current. */
+  /* Beyond the end of the line, the length is the shortest allowed length; the
+     edges reduce the current of this part. */
   g_autoptr(opc_module) contour = module_make(file, ", edge: 30 nm", OPC_OK);
   g_autoptr(opc_module) many =
       module_make(file, ", edge: 30 nm, rule: equal, slices: 10000", OPC_OK);
   figures got = of_gate(contour, EDA_NMOS, 400, ellipse, -40);
   figures want = of_gate(many, EDA_NMOS, 400, ellipse, -40);
-  /* The midpoint represents each missing end. */
+  /* The midpoint of each missing end represents that end. */
   assert_near(got.ion, want.ion, 3e-3);
   assert_near(got.ioff, want.ioff, 3e-3);
   /* The edge current depends on the local length: nearly all of it belongs to
    60 nm, except the part farther from the edges than a quarter of the width. */
   g_autoptr(opc_module) m =
       module_make(file, ", edge: 30 nm, rule: equal, slices: 2000", OPC_OK);
-  double decay = 2 * 2 * DEPTH / (1 - 2 * DEPTH / 1000); /* edges.h */
+  double decay = 2 * 2 * DEPTH / (1 - 2 * DEPTH / 1000); /* as computed in
+                                                            edges.h */
   double far = exp(-250 / decay), all = 1 - exp(-500 / decay);
   double less = 2 * DEPTH *
                 ((1 - far) * current(0, 0, 60) +
@@ -411,8 +416,8 @@ static void test_widths(void) {
   assert_near(f.ion, plain - less, 1e-4);
 }
 
-/* A gate as masks with a jog print: a rounded end, a flared end, and a step
-   between them, smoothed by the optics. */
+/* A gate as printed by masks with a jog: a rounded end, a flared end, and a
+   step between them, smoothed by the optics. */
 static struct { double width, rounded, flared, step, at; } jogged_gate;
 static double jogged(double t) {
   double w = jogged_gate.width;
@@ -433,7 +438,7 @@ static void test_real_widths(void) {
     double u = fmod(i * 0.618034, 1), v = fmod(i * 0.754878, 1),
            x = fmod(i * 0.569840, 1);
     jogged_gate.width = 150 * pow(20, u);
-    /* From rough shapes to nearly rectangular ones. */
+    /* The shapes range from rough to nearly rectangular. */
     double rough = pow(0.03, fmod(3 * x, 1));
     jogged_gate.rounded = 8 * v * rough;
     jogged_gate.flared = 12 * x * rough;

@@ -22,7 +22,8 @@ typedef struct abbe {
   int64_t points_across;
   int points_across_given;
   double *point;       /* x, y, weight: [point][3] */
-  size_t count, parts; /* points; parts of polarised light per point */
+  size_t count, parts; /* number of points; number of parts of polarised light
+                          per point */
   double *weight;      /* [point][part] */
   int paired;          /* 1: point n - 1 - i is opposite to point i */
   double *twice;       /* twice `weight` */
@@ -35,7 +36,7 @@ typedef struct view {
   const abbe *model;
   double defocus;
   size_t first; /* index of the first part */
-  int real;     /* 1: the pupil has no phases */
+  int real;     /* 1: the pupil is real */
 } view;
 
 /* Number of images that are added in single precision. Sums of batches are in
@@ -105,8 +106,8 @@ static int abbe_transform(const void *self, const eda_shapes *mask, double grid,
                         out, error);
 }
 
-/* Fill the transfer function of a pupil without phases: 1 between the two ends
-   of a chord. */
+/* Fill a row of the transfer function of a pupil without phases: 1 on the chord
+   that the row cuts from the pupil. */
 static void view_transfer_chord(const view *v, const double *point,
                                 const double *fx, double fy, size_t n,
                                 float *out) {
@@ -208,13 +209,12 @@ static int abbe_image(const void *self, int layer, const eda_spectrum *mask,
 
 static const opc_parameter parameters[] = {
     OPTICS_PARAMETERS(abbe),
-    OPC_PARAMETER(
-        abbe, points_across, .type = OPC_INT,
-        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "60", .min = 2,
-        .max = 1000,
-        .summary = "number of points on the diameter of the source; each point "
-                   "of the area costs one Fourier transform",
-        .given = offsetof(abbe, points_across_given)),
+    OPC_PARAMETER(abbe, points_across, .type = OPC_INT,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "60", .min = 2,
+                  .max = 1000,
+                  .summary = "number of points on the diameter of the source; "
+                             "each source point requires one Fourier transform",
+                  .given = offsetof(abbe, points_across_given)),
 };
 
 static int abbe_check(void *self, opc_error *error) {

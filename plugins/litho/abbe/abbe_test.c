@@ -25,7 +25,7 @@ static eda_field grating(const char *parameters, double defocus, double width,
                      (eda_frame){-pitch / 2, 0, pitch, pitch});
 }
 
-/* Return the amplitude of order n of that grating. */
+/* Return the amplitude of order n of the grating of lines. */
 static double order(int n, double width, double pitch) {
   return n ? -sin(M_PI * n * width / pitch) / (M_PI * n) : 1 - width / pitch;
 }
@@ -49,8 +49,8 @@ static void assert_beams(const eda_field *f, int from, int to,
         3e-5);
 }
 
-/* Test lines along x and a medium where the pupil limits the image: orders
-   outside the pupil are blocked for both directions. */
+/* Test lines along x and a medium in which the pupil limits the image. Orders
+   outside the pupil are blocked in both directions.. */
 static void test_turned(void) {
   static const struct {
     const char *parameters;
@@ -206,8 +206,8 @@ static void test_two_beams(void) {
   eda_field_clear(&f);
 }
 
-/* Test defocus in water; one part comes from the parameter, one from the
-   call. */
+/* Test defocus in water; the parameter and the argument of the call each
+   contribute a part. */
 static void test_immersion(void) {
   double waves[] = {0, 0, 0}, s = 1.2 / 1.44 / (200 * 1.2 / 193);
   waves[0] = waves[2] = 1.44 * 90 / 193.0 * (sqrt(1 - s * s) - 1);
@@ -261,8 +261,8 @@ static void test_points_add(void) {
   eda_field_clear(&f);
 }
 
-/* Test weights of opposite and of single points. Opposite points form the same
-   image only in focus. */
+/* Test the weights of opposite points and of points without an opposite.
+   Opposite points form the same image only in focus. */
 static void test_opposite(void) {
   static const struct {
     const char *points;
@@ -338,13 +338,13 @@ static void test_disk(void) {
 static void test_edge(void) {
   g_autoptr(opc_module) m =
       prepared("litho.abbe", "{ source: points, points: [0, 0, 1] }");
-  /* The odd orders next to the cutoff are equally far from it. */
+  /* The odd orders next to the cutoff are equally far from the cutoff. */
   double length = 2 * round(120000 * cutoff) / cutoff, height = 300;
   eda_box half = {0, 0, (int32_t)lround(length * 5), 3000};
   eda_field f = image_boxes(m, EDA_POLY, 0, &half, 1,
                             (eda_frame){-length / 2, 0, length, height});
   double si = 0, before = 0;
-  enum { STEPS = 20 }; /* of the integral, per nm */
+  enum { STEPS = 20 }; /* steps of the integration, per nm */
   for (int x = 0; x <= 600; x++) {
     double e = 0.5 + si / M_PI, dark = 0.5 - si / M_PI;
     g_assert_cmpfloat(fabs(value_at(&f, -x, 100) - e * e), <, 5e-4);

@@ -41,7 +41,7 @@ typedef struct transformation {
   /* Sums over vertical edges of the real and the imaginary part of their
      factors along y: [l >= 0][k]. Rows l and -l follow from both sums. */
   double complex *even, *odd;
-  /* Sums over slanted edges, with the rows of the result; NULL: no slanted
+  /* Sums over slanted edges, [row][k] as in the result; NULL: no slanted
      edges. */
   double complex *rest;
 } transformation;

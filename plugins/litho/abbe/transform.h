@@ -4,8 +4,8 @@
 
 #include <eda/imaging.h>
 
-/* Compute the spectrum of a mask; parameters as for eda_mask_spectrum. Return
-   OPC_OK or an error. [any] */
+/* Compute the spectrum of a mask; parameters as for eda_mask_spectrum
+   (eda/imaging.h). Return OPC_OK or an error. [any] */
 int transform_mask(const opc_context *context, const eda_shapes *shapes,
                    double grid, eda_frame frame, double band, eda_spectrum *out,
                    opc_error *error);

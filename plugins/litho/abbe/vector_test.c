@@ -29,7 +29,7 @@ static eda_field grating(const char *id, const char *parameters, double defocus,
                   (eda_frame){-pitch / 2, 0, pitch, pitch});
 }
 
-/* Return the amplitude of order n of that grating. */
+/* Return the amplitude of order n of the grating. */
 static double order(int n, double width, double pitch) {
   return n ? -sin(M_PI * n * width / pitch) / (M_PI * n) : 1 - width / pitch;
 }
@@ -357,7 +357,7 @@ static void test_clear(void) {
   for (size_t m = 0; m < G_N_ELEMENTS(models); m++)
     for (size_t i = 0; i < G_N_ELEMENTS(sources); i++)
       for (size_t k = 0; k < G_N_ELEMENTS(polarised); k++) {
-        if (m && (i == 2 ? k != 3 : k > 1)) continue; /* slow cases */
+        if (m && (i == 2 ? k != 3 : k > 1)) continue; /* skip slow cases */
         g_autofree char *p =
             g_strdup_printf("{ " WATER "polarisation: %s, %s, %s }",
                             polarised[k], sources[i], models[m].rough);
@@ -369,7 +369,7 @@ static void test_clear(void) {
 }
 
 /* Test the limit of small NA, a scalar wave: NA and wavelength are a hundredth
-   of the usual ones. */
+   of the usual values. */
 static void test_paraxial(void) {
   for (size_t m = 0; m < G_N_ELEMENTS(models); m++)
     for (size_t k = 0; k < G_N_ELEMENTS(polarised); k++)
@@ -383,8 +383,8 @@ static void test_paraxial(void) {
         eda_field want = image_of(models[m].id, scalar, 0, shapes, 3, wide);
         eda_field got = image_of(models[m].id, light, 0, shapes, 3, wide);
         double off = difference(&want, &got, 0);
-        /* Tables blur pupils by the cells of a source, which is cut into fewer
-           cells here. */
+        /* Tables blur pupils by the cells of the source; here the source has
+           fewer cells. */
         double reach = m == 0 ? 1e-4 : k == 1 || k == 2 ? 4e-3 : 1.5e-3;
         g_test_message("%s %s: %.2g off a scalar image", models[m].id, light,
                        off);
@@ -397,8 +397,9 @@ static void test_paraxial(void) {
       }
 }
 
-/* Test the image after exchange of x and y for masks and polarisations.
-   Exchanging only the mask changes the image of light polarised along x. */
+/* Test the image after exchange of x and y for masks and polarisations. If x
+   and y are exchanged for the mask only, the image of light polarised along x
+   changes. */
 static void test_turned(void) {
   eda_box other[3];
   for (int i = 0; i < 3; i++)
@@ -487,7 +488,7 @@ static void test_two_beams(void) {
   double resists[] = {index, sine * M_SQRT2};
   for (size_t k = 0; k < G_N_ELEMENTS(kinds); k++)
     for (int i = 0; i < 2; i++) {
-      /* Into another medium, TE and TM transmissions differ. */
+      /* In a resist of another index, the transmissions of TE and TM differ. */
       if (i && kinds[k].kind == BOTH) continue;
       beams b = {order(0, width, pitch),
                  order(1, width, pitch),
@@ -541,7 +542,7 @@ static void test_refused(void) {
       g_assert_null(opc_test_module(models[m].id, cases[i][0], &error));
       g_assert_nonnull(strstr(error.message, cases[i][1]));
     }
-  /* The limit is 800 images, six per point. */
+  /* The limit is 800 images; each point has six. */
   GString *many = g_string_new(
       "{ polarisation: unpolarised, source: points, "
       "points: [0, 0, 1");

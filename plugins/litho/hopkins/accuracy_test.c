@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests of the errors due to the margin and to the number of kernels, for lines
-   in a wide frame and for all kinds of sources and masks. */
+/* Tests of the errors caused by the margin and by the number of kernels, for
+   lines in a wide frame and for all kinds of sources and masks. */
 #include <eda/gates.h>
 #include <eda/litho.h>
 #include <math.h>
@@ -60,7 +60,7 @@ static void test_margin(void) {
 /* Test that the requested error is reached with a usable number of kernels, in
    bounded time, for all masks and optics. */
 static void test_reached(void) {
-  /* The patterns of every NA have frequencies at the rims of pupils. */
+  /* At every NA, the patterns have frequencies at the rims of the pupils. */
   static const struct {
     const char *parameters;
     double error;

@@ -2,7 +2,7 @@
 /* Cache of kernels for instances with equal optics. Entries outlive instances:
    a process that makes many instances (experiment, search, sweep) computes
    kernels once. The cache contains only radial kernels without aberrations,
-   which a few numbers determine. All functions are [any]. */
+   because a few numbers determine them. All functions are [any]. */
 #pragma once
 
 #include "kernels.h"
@@ -11,7 +11,7 @@
    compared by bytes. */
 typedef struct cache_key {
   double wavelength, na, index, resist_index, sigma, sigma_in;
-  double defocus, aside; /* nm: of the optics, and additional */
+  double defocus, aside; /* defocus of the optics, and additional defocus, nm */
   double wanted;         /* requested error */
   int64_t fixed;         /* fixed number of kernels */
   int64_t source, polarisation, real;
@@ -22,9 +22,9 @@ typedef struct cache_entry cache_entry;
 /* Return the entry of a key and add a user; NULL: no entry. */
 cache_entry *cache_find(const cache_key *key);
 
-/* Add settled kernels with their measured error to the cache, and return the
-   entry with one user. If another thread has added the key, free `made` and
-   return the existing, equal entry. */
+/* Add settled kernels (kernels.settle) and their measured error to the cache,
+   and return the entry with one user. If another thread has added the key, free
+   `made` and return the existing, equal entry. */
 cache_entry *cache_add(const cache_key *key, kernels *made, double error);
 
 kernels *cache_kernels(const cache_entry *k, double *error);

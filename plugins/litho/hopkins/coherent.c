@@ -8,7 +8,7 @@
 #include "disks.h"
 #include "radial.h"
 
-enum { CHUNK = 32 }; /* frequencies at a time */
+enum { CHUNK = 32 }; /* number of frequencies computed at a time */
 
 /* ---- work: kernels in use ---- */
 
@@ -140,7 +140,8 @@ void radial_transfer(const void *self, size_t s, const double *fx, double fy,
 }
 
 /* The mirror image of R exp(i m angle) is R exp(-i m angle), times -1 if m is
-   odd. The mirror images of S cos(angle) and i S sin(angle) follow equally. */
+   odd. The same applies to S cos(angle) and i S sin(angle), for residual
+   terms. */
 eda_mirrored radial_mirror(const void *self, size_t s) {
   const radial *r = self;
   if (s >= r->base.count)

@@ -11,10 +11,10 @@ typedef struct disk {
 
 enum { APART = -1, CUT = 0, WHOLE = 1, NOWHERE = 2 };
 
-/* Find the part of the circle of a inside b. Return CUT for an arc with centre
-   *middle and half angle *half, WHOLE for the entire circle, NOWHERE for no
-   part, APART if the disks do not overlap. Only the `first` of two equal
-   circles is WHOLE. */
+/* Find the part of the circle of disk a that is inside disk b. Return CUT for
+   an arc with centre *middle and half angle *half, WHOLE for the entire circle,
+   NOWHERE for no part, APART if the disks do not overlap. For two equal
+   circles, only the circle with `first` is WHOLE. */
 static int disk_cut(disk a, disk b, int first, double *middle, double *half) {
   double dx = b.x - a.x, dy = b.y - a.y, d = sqrt(dx * dx + dy * dy);
   if (d >= a.r + b.r) return APART;

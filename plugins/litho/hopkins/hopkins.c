@@ -16,7 +16,8 @@
 
 enum {
   CUTS = 256,
-  ALL = 600, /* largest number of kernels; more change images by 1e-5 */
+  ALL = 600, /* largest number of kernels; more kernels change images by 1e-5
+                only */
   /* Largest number of listed source points. Kernels of 300 points take 10 s;
      the time grows with the square of the number. All other sources are sampled
      by 400 points. */
@@ -27,8 +28,9 @@ enum {
 typedef struct cut {
   double defocus; /* nm */
   double wanted;  /* requested error, clear field 1 */
-  int64_t fixed;  /* number of kernels; OPC_NO_INT: as required by the error */
-  double error;   /* measured */
+  int64_t fixed;  /* requested number of kernels; OPC_NO_INT: as many as the
+                     error requires */
+  double error;   /* measured error, clear field 1 */
   kernels *kernels;
   cache_entry *entry; /* entry of the kernel cache; NULL: kernels are owned */
 } cut;
@@ -65,9 +67,10 @@ static double step_of(const hopkins *h) {
 }
 
 /* Relative reduction of the intensity's band. At the end of the band, twice the
-   cutoff, the intensity is 0, but the sum of truncated kernels is not. Without
-   the reduction, rounding would decide whether a frequency at the end counts, a
-   large error for a grating of pitch wavelength / NA. */
+   cutoff, the spectrum of the intensity is 0, but that of truncated kernels is
+   not. Without the reduction, rounding would decide whether a frequency at the
+   end is included. The error would be large for a grating of the pitch
+   wavelength / NA. */
 static const double rim = 1e-9;
 
 /* Compute the image of the mask of a layer, or of a binary mask. */
@@ -102,8 +105,8 @@ static double field_difference(const eda_field *a, const eda_field *b) {
   return worst;
 }
 
-/* Largest ratio of the error in layouts to the error in patterns (README.md).
- */
+/* Largest ratio of the error in layouts to the error in the patterns of
+   patterns.h (README.md). */
 static const double margin = 1.35;
 
 /* Spectra and reference images of the patterns; NULL: not yet computed. */
@@ -134,7 +137,8 @@ static int trial_init(const hopkins *h, kernels *k, trial *t,
   return code;
 }
 
-/* Return 1 if no further kernels exist; some kernels are added in pairs. */
+/* Return 1 if no further kernels exist. The number may be one below the
+   largest, because some kernels are added in pairs. */
 static int kernels_are_all(const kernels *k) {
   return k->all || k->count + 1 >= ALL;
 }
@@ -158,7 +162,8 @@ static int cut_try(const hopkins *h, cut *c, trial *t, opc_error *error) {
 }
 
 /* Return the next number of kernels to try. The error decreases as 1 / number,
-   or faster for small sources, so the estimate is approached from below. */
+   or faster for small sources, so the number is increased from below the
+   estimate. */
 static size_t cut_more_kernels(const cut *c, size_t n) {
   double one = 2 + (double)n + (double)n / 6;
   double guess = 0.6 * (double)n * c->error / c->wanted;
@@ -237,8 +242,9 @@ static int cut_get_kernels(const hopkins *h, cut *c, opc_error *error) {
   return OPC_OK;
 }
 
-/* Largest ratio of the error to the requested error without a warning, unless
-   the flow sets the error: requests of steps contain a reserve. Tuned. */
+/* Largest ratio of the error to the requested error without a warning, for
+   errors that steps request, because these requests contain a reserve. For an
+   error that the flow sets, the ratio is 1. The value is tuned. */
 static const double nearly = 2;
 
 static void cut_log(const hopkins *h, const cut *c) {
@@ -291,8 +297,7 @@ static const cut *cut_add(hopkins *h, double defocus, double wanted,
 }
 
 /* Return the kernels for exactly this request. Kernels with a smaller error are
-   not used: their presence depends on the order of requests, so results would
-   depend on the order, too. */
+   not used, because results would then depend on the order of requests. */
 static const cut *cut_find(hopkins *h, double defocus, double wanted,
                            int64_t fixed, opc_error *error) {
   const cut *found = NULL;
@@ -334,7 +339,7 @@ static int hopkins_image(const void *self, int layer, const eda_spectrum *mask,
 static int hopkins_image_at(const void *self, int layer,
                             const eda_spectrum *mask, double defocus,
                             eda_field *out, opc_error *error) {
-  hopkins *h = (hopkins *)self; /* changes are guarded by the lock */
+  hopkins *h = (hopkins *)self; /* the lock guards the changes */
   const cut *c = cut_find(h, defocus, h->wanted, h->fixed, error);
   return c ? hopkins_image_by(h, c->kernels, layer, mask, out, error)
            : error->code;
@@ -365,11 +370,11 @@ static int hopkins_image_lines(const hopkins *h, int layer,
 static int hopkins_image_fine(const void *self, int layer,
                               const eda_spectrum *mask, double defocus,
                               double wanted, eda_field *out, opc_error *error) {
-  hopkins *h = (hopkins *)self; /* changes are guarded by the lock */
+  hopkins *h = (hopkins *)self; /* the lock guards the changes */
   const kernels *k = h->cuts[0].kernels;
   if (defocus == 0 && k->cross && pattern_is_lines(k, mask))
     return hopkins_image_lines(h, layer, mask, out, error);
-  /* The error must not exceed the error of the fast kernels. */
+  /* An accurate image must not have a larger error than the fast image. */
   double own = h->fixed > 0 ? h->cuts[0].error : h->wanted;
   const cut *c = &h->cuts[0];
   if (defocus != 0 || c->error > wanted)
@@ -391,12 +396,13 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED("kernels", hopkins, fixed, .type = OPC_INT,
                         .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 1,
                         .max = 2000,
-                        .summary = "fixed number of kernels in place of the "
-                                   "number that the error needs"),
+                        .summary = "fixed number of kernels instead of the "
+                                   "number that `error` requires"),
 };
 
 static const opc_metric metrics[] = {
-    {"kernels", NULL, OPC_NEUTRAL, 0, "number of coherent kernels"},
+    {"kernels", NULL, OPC_NEUTRAL, 0,
+     "number of coherent kernels of the fast image"},
     {"error", NULL, OPC_LOWER, 1e-5,
      "measured truncation error, clear field 1"},
     {"grid", "nm", OPC_LOWER, 1e-3, "largest grid spacing of an image"},

@@ -142,9 +142,9 @@ static void test_definition(void) {
   }
 }
 
-/* Test a line as long as its frame, whose image is computed from T itself at
-   any error: against the definition, and for an attenuated mask against the
-   kernels. */
+/* Test a line as long as its frame. Its image is computed from T itself at any
+   requested error. Compare with the definition, and for an attenuated mask with
+   the kernels. */
 static void test_lines(void) {
   enum { PLACES = 40 };
   eda_box b = {-130, -400, 90, 400};
@@ -193,7 +193,7 @@ static void test_fine(void) {
                                     litho->band(m->self), &mask, &error),
                   ==, OPC_OK);
   /* The model's own image, accurate images in focus and at 80 nm, and all of
-     these again. */
+     these once more. */
   static const double wanted[] = {0, 3e-4, 1.5e-3, 3e-4, 1.5e-3};
   static const double defocus[] = {0, 0, 0, 80, 80};
   enum { KINDS = 5 };
@@ -213,7 +213,7 @@ static void test_fine(void) {
       off[k] = fmax(off[k], fabs(now - finest[n]));
     }
   }
-  g_assert_cmpfloat(off[0], >, 1.8e-3); /* 4 kernels */
+  g_assert_cmpfloat(off[0], >, 1.8e-3); /* the model has 4 kernels */
   g_assert_cmpfloat(off[2], <, 1.8e-3);
   g_assert_cmpfloat(off[4], <, 1.8e-3);
   g_assert_cmpfloat(off[4], >, 0);
@@ -225,7 +225,7 @@ static void test_fine(void) {
 }
 
 /* Test that an accurate image has at most the error of the model's own image
-   for any requested error. */
+   even if a larger error is requested. */
 static void test_coarse(void) {
   static const char *const parameters[] = {"{}", "{ error: 3e-4 }",
                                            "{ kernels: 60 }"};
@@ -275,7 +275,7 @@ static void test_too_fine(void) {
   for (int i = 0; i < 3; i++) g_assert_cmpfloat(fabs(value[i] - 0.25), <, 2e-4);
 }
 
-/* Test that the image follows the mask when it is moved or mirrored. */
+/* Test that the image follows the mask when the mask is moved or mirrored. */
 static void test_symmetry(void) {
   eda_point points[] = {{-130, -170}, {90, -170}, {90, 100},
                         {0, 100},     {0, 230},   {-130, 230}};
@@ -297,8 +297,8 @@ static void test_symmetry(void) {
   for (int k = 0; k < 2; k++) eda_field_clear(&fields[k]);
 }
 
-/* Return the image of a line and a block, moved and mirrored in x, in a frame
-   so wide that its spectrum is processed in strips. */
+/* Return the image of a line and a block, moved by x and optionally mirrored,
+   in a frame so wide that the spectrum is processed in strips. */
 static eda_field wide_image(double x, double y, int mirror) {
   const double w = 14000, h = 900;
   eda_box boxes[] = {{2000, 100, 2065, 700}, {2300, 250, 2700, 420}};
@@ -415,7 +415,7 @@ static eda_field line_image(const char *parameters, int layer, double width,
   return field;
 }
 
-/* Return the amplitude of order k of that grating. */
+/* Return the amplitude of order k of the grating. */
 static double order(int k, double width, double period) {
   return k ? -sin(M_PI * k * width / period) / (M_PI * k) : 1 - width / period;
 }
@@ -477,7 +477,7 @@ static void test_incoherent(void) {
    integral. */
 static void test_coherent(void) {
   double cutoff = na / wavelength, si = 0, worst = 0;
-  /* The odd orders next to the cutoff are equally far from it. */
+  /* The odd orders next to the cutoff are equally far from the cutoff. */
   double length = 2 * round(8000 * cutoff) / cutoff;
   eda_field f =
       line_image("{ sigma: 0.01, error: 1e-3 }", 0, length / 2, length);

@@ -12,7 +12,7 @@
 typedef struct kernels kernels;
 struct kernels {
   const opc_context *context;
-  double cutoff;        /* 1/nm */
+  double cutoff;        /* cutoff frequency NA / wavelength, 1/nm */
   double radius;        /* T is 0 beyond this radius, in units of the cutoff */
   size_t count;         /* number of kernels in use, set by `keep` */
   int all;              /* 1: no further kernels exist */
@@ -21,8 +21,9 @@ struct kernels {
 
   /* Use the n strongest kernels, or all if fewer exist. [main] */
   void (*keep)(kernels *self, size_t n);
-  /* Free the data that only `keep` uses. Do not call `keep` afterwards; optics
-     and context may be freed. NULL: not supported. [main] */
+  /* Free the data that only `keep` uses. After this call, `keep` must not be
+     called, and the optics and the context may be freed. NULL: not supported.
+     [main] */
   void (*settle)(kernels *self);
   /* Members of eda_kernels, with the kernels as `self`. [any] */
   void (*transfer)(const void *self, size_t s, const double *fx, double fy,
@@ -30,8 +31,8 @@ struct kernels {
   void (*filter)(const void *self, size_t residual, const double *fx, double fy,
                  size_t n, float *out);
   eda_mirrored (*mirror)(const void *self, size_t s); /* may be NULL */
-  /* Return the exact T for frequencies in units of the cutoff. NULL: T is known
-     only by its kernels. [any] */
+  /* Return the exact T(f1, f2) for frequencies in units of the cutoff. NULL: T
+     is known only as a sum of kernels. [any] */
   double (*cross)(const kernels *self, double x1, double y1, double x2,
                   double y2);
   void (*free)(kernels *self);
@@ -39,8 +40,8 @@ struct kernels {
 
 /* Return kernels of a circular or annular source and a pupil that depends on
    the radius only. `defocus`, nm, is added to optics.defocus. `real`: 1: the
-   pupil and all masks are real. `error`: requested error, clear field 1;
-   smaller errors take longer. Free with kernels.free. */
+   pupil and all masks are real. `error`: requested error, clear field 1; a
+   smaller error takes more time. Free with kernels.free. */
 kernels *radial_new(const opc_context *context, const optics *o, double defocus,
                     int real, double error);
 

@@ -24,10 +24,11 @@ enum { ROW = 480, HIGH = 4, SPACE = 48 };
 static const int pitches[PATTERNS - 1] = {13, 16, 20, 27};
 
 enum {
-  MOST = ROW / 13,         /* boxes of a row */
-  TOP = 2 * ROW / 16,      /* frequencies of a row below twice the cutoff */
-  TOP_X = 2 * ACROSS / 16, /* of the first pattern along x */
-  TOP_Y = 2 * ALONG / 16,  /* of the first pattern along y */
+  MOST = ROW / 13,         /* largest number of boxes of a row */
+  TOP = 2 * ROW / 16,      /* number of frequencies of a row below twice the
+                              cutoff */
+  TOP_X = 2 * ACROSS / 16, /* the same number for the first pattern along x */
+  TOP_Y = 2 * ALONG / 16,  /* the same number for the first pattern along y */
   ORDERS = (2 * TOP_X + 1) * (2 * TOP_Y + 1)
 };
 _Static_assert(ORDERS >= 2 * TOP + 1, "rows have fewer frequencies");
@@ -92,7 +93,7 @@ static size_t orders_find(const kernels *k, const eda_spectrum *mask,
 /* Fourier coefficients of an intensity, |u| <= top_x, |v| <= top_y. */
 typedef struct coefficients {
   int top_x, top_y, columns;
-  double complex at[ORDERS]; /* rows of u */
+  double complex at[ORDERS]; /* [v][u], rows of u */
 } coefficients;
 
 static double complex *spectrum_coefficient(coefficients *c, int u, int v) {
@@ -100,7 +101,8 @@ static double complex *spectrum_coefficient(coefficients *c, int u, int v) {
 }
 
 /* Compute the sum of T(f1, f2) a(f1) a(f2)* over all pairs of frequencies. T is
-   real, so a pair and the pair of opposite frequencies have conjugate terms. */
+   real, so the pair of the opposite frequencies has the conjugate term and need
+   not be computed. */
 static void coefficients_sum_pairs(const kernels *k, const eda_spectrum *mask,
                                    coefficients *out) {
   order o[ORDERS];

@@ -23,12 +23,13 @@
 /* ---- state ---- */
 
 enum {
-  POINTS = 400, /* approximate number of source points */
-  MOST = 120,   /* kernels */
+  POINTS = 400, /* approximate number of points into which the source is
+                   divided */
+  MOST = 120,   /* largest number of kernels */
   SPARE = 20,   /* additional vectors of the subspace iteration */
   CELLS = 128,  /* cells of the tables in each direction */
   THIN = 5,     /* D is fitted on every THIN-th node in each direction */
-  SHIFTS = 64   /* intervals of the table of D, over shifts of 0 to 2 */
+  SHIFTS = 64   /* intervals of the table of D, for shifts |h| of 0 to 2 */
 };
 
 typedef struct plane {
@@ -36,8 +37,8 @@ typedef struct plane {
   const optics *o;
   double defocus, spacing;
   double *points;         /* x, y, weight: [point][3] */
-  size_t parts;           /* per point */
-  size_t n;               /* parts of all points */
+  size_t parts;           /* parts of polarised light per point */
+  size_t n;               /* number of parts of all points */
   size_t available;       /* number of kernels computed, strongest first */
   int side;               /* nodes of the tables in each direction */
   double step, low;       /* spacing and first node of the tables */
@@ -162,7 +163,7 @@ static void vectors_orthonormalise(float complex *q, size_t count, size_t n) {
 }
 
 /* Compute the eigenvectors of the matrix in the span of q, strongest first, and
-   store them in p->vectors. z holds matrix * q. */
+   store them in p->vectors. `z` contains matrix * q. */
 static void plane_mix_span(plane *p, const float complex *q,
                            const float complex *z, size_t count, size_t most) {
   size_t n = p->n;
@@ -194,9 +195,9 @@ static void plane_mix_span(plane *p, const float complex *q,
   gsl_matrix_complex_free(a);
 }
 
-/* Find the strongest eigenvectors of the Gram matrix in the span of its square
-   times random vectors (Halko, Martinsson, Tropp, SIAM Review 53, 2011). The
-   random vectors are the same in every run. */
+/* Find the strongest eigenvectors of the Gram matrix in the span of the squared
+   matrix times random vectors (Halko, Martinsson, Tropp, SIAM Review 53, 2011).
+   The random vectors are the same in every run. */
 static void plane_solve(plane *p) {
   size_t n = p->n, most = n < MOST ? n : MOST;
   size_t count = n < MOST + SPARE ? n : MOST + SPARE;
@@ -246,8 +247,8 @@ static size_t nodes_of(const plane *p) {
   return (size_t)p->side * (size_t)p->side;
 }
 
-/* Fit D at each shift by least squares over pairs of nodes: truncated kernels =
-   S S D. */
+/* Fit D at each shift by least squares over pairs of nodes, so that S S D
+   approximates the truncated kernels. */
 static void plane_fit_shifts(plane *p) {
   double above[SHIFTS + 1] = {0}, below[SHIFTS + 1] = {0};
   size_t nodes = nodes_of(p), side = (size_t)p->side;
@@ -365,7 +366,7 @@ static int plane_sample_source(plane *p) {
 
 kernels *plane_new(const opc_context *context, const optics *o, double defocus,
                    opc_error *error) {
-  gsl_set_error_handler_off(); /* its default aborts */
+  gsl_set_error_handler_off(); /* the default handler aborts */
   plane *p = eda_alloc(1, sizeof *p);
   p->base = (kernels){.context = context,
                       .cutoff = o->cutoff,
@@ -384,7 +385,7 @@ kernels *plane_new(const opc_context *context, const optics *o, double defocus,
     plane_free(&p->base);
     return NULL;
   }
-  /* Two nodes of margin for the interpolation at the border. */
+  /* Add two nodes of margin, for the interpolation at the border. */
   p->side = CELLS + 5;
   p->step = 2 * p->base.radius / CELLS;
   p->low = -p->base.radius - 2 * p->step;

@@ -36,8 +36,8 @@ static double worst_difference(const eda_field *a, const eda_field *b) {
   return worst;
 }
 
-/* Listed points have pupils with sharp edges, which the tables blur: error
-   0.006. */
+/* Listed points have pupils with sharp edges, which the tables blur, so the
+   allowed error is 0.006. */
 #define LISTED                                                              \
   "source: points, points: [0.31, 0.12, 1, -0.48, 0.2, 2, 0.05, -0.55, 1, " \
   "-0.35, -0.4, 1.5, 0.45, -0.2, 0.5, -0.1, 0.5, 1]"
@@ -71,8 +71,8 @@ static void test_sources(void) {
   }
 }
 
-/* Test that the blur of a list of points agrees with the warning, and that
-   other sources cause no warning. */
+/* Test that the blur of a list of points agrees with the values that the
+   warning states, and that other sources cause no warning. */
 static void test_warned(void) {
   static const struct {
     eda_frame frame;

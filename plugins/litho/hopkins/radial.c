@@ -73,8 +73,9 @@ static void place_nodes(radial *r) {
 }
 
 /* Compute the nodes of the source's radius. Breaks are the radii where the
-   border of a shifted pupil enters the source. There g_m behaves like a square
-   root, which nodes in the square of a variable integrate accurately. */
+   border of a shifted pupil enters the source. At a break, g_m behaves like a
+   square root; nodes placed in the square of a variable integrate such
+   functions accurately. */
 static void place_rings(radial *r) {
   double breaks[NODES + 2], unit[RINGS], weight[RINGS];
   int n = 0;
@@ -300,8 +301,8 @@ static void solver_store_vector(radial *r, size_t m, size_t k,
   }
 }
 
-/* Compute the eigenvectors of root_i T_m(r_i, r_j) root_j for one order m. They
-   are the products root R. */
+/* Compute the eigenvectors of root_i T_m(r_i, r_j) root_j for one order m. The
+   elements of an eigenvector are root_i R(r_i). */
 static void radial_solve_order(void *data, size_t task) {
   radial *r = data;
   size_t n = (size_t)r->n, m = task + (size_t)r->solved;
@@ -327,9 +328,10 @@ static int by_value(const void *a, const void *b) {
 }
 
 /* Return the number of eigenfunctions in the first n kernels. *count receives
-   the number of kernels, less than n if no more exist. */
+   the number of kernels, which is less than n if no more kernels exist. */
 static size_t count_eigenfunctions(const radial *r, size_t n, size_t *count) {
-  int open = 0; /* 1: a kernel of order 0 can take a second function */
+  int open = 0; /* 1: the last kernel of order 0 has one function and can take a
+                   second one */
   size_t kept = 0;
   for (*count = 0; kept < r->n_sorted; kept++) {
     int order = r->sorted[kept].order;
@@ -455,7 +457,7 @@ static void radial_expand(radial *r) {
 
 kernels *radial_new(const opc_context *context, const optics *o, double defocus,
                     int real, double error) {
-  gsl_set_error_handler_off(); /* its default aborts */
+  gsl_set_error_handler_off(); /* the default handler aborts */
   radial *r = eda_alloc(1, sizeof *r);
   r->base = (kernels){.context = context,
                       .cutoff = o->cutoff,
@@ -474,8 +476,9 @@ kernels *radial_new(const opc_context *context, const optics *o, double defocus,
   r->defocus = defocus;
   r->real = real;
   r->scalar = o->polarisation == OPTICS_SCALAR;
-  /* Measured: with fewer nodes, errors are larger with any number of kernels.
-     40 nodes suffice for 1e-4, but the error is 2e-4 if 6e-5 is requested. */
+  /* The number of nodes was measured: with fewer nodes, errors are larger for
+     any number of kernels. With 40 nodes, 1e-4 is reached, but the error is
+     2e-4 if 6e-5 is requested. */
   r->other = error < 1e-4 && real ? OTHER : error < 1e-3 ? 40 : 24;
   r->sigma = o->sigma;
   r->sigma_in = o->source == OPTICS_ANNULAR ? o->sigma_in : 0;

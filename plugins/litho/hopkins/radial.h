@@ -7,23 +7,24 @@
 
 enum {
   PANELS = 4,
-  FIRST = 8,  /* nodes of the panel where the entire source passes the pupil */
+  FIRST = 8,  /* number of nodes of the panel in which the entire source passes
+                 the pupil */
   OTHER = 56, /* largest number of nodes of each other panel */
   NODES = FIRST + (PANELS - 1) * OTHER,
-  RINGS = 4, /* nodes of the source's radius between two breaks */
+  RINGS = 4, /* number of nodes of the source's radius between two breaks */
   SOURCE = (NODES + 1) * RINGS,
-  ARC = 48, /* nodes of an arc of a complex pupil */
-  ANGLES =
-      48, /* angles of the pairs of nodes for the fit of D, over 180 degrees */
+  ARC = 48,    /* number of nodes of an arc of a complex pupil */
+  ANGLES = 48, /* number of angles, over 180 degrees, of each pair of nodes for
+                  the fit of D */
   SHIFTS = 32, /* intervals of the table of D along |h| */
   TURNS = 5,   /* directions of the table of D */
-  ORDERS = 32, /* angular orders */
+  ORDERS = 32, /* number of angular orders */
   TABLE = 1024 /* intervals of a radial function's table */
 };
 
 typedef struct panel {
   double from, to;
-  int first, n; /* nodes */
+  int first, n; /* index of the first node; number of nodes */
 } panel;
 
 typedef struct eigen {
@@ -47,7 +48,7 @@ typedef struct radial {
   int real;     /* 1: mask and pupil are real, kernels are combined in pairs */
   int scalar;   /* 1: scalar light. T(f, f) has a closed form; if `real`, also
                    T */
-  size_t part;  /* part of polarised light that is expanded (vector.h) */
+  size_t part;  /* part of polarised light that is being expanded (vector.h) */
   double whole; /* T(0, 0) before normalisation */
   panel panels[PANELS];
   int other;                         /* nodes of each panel after the first */
@@ -57,7 +58,8 @@ typedef struct radial {
       bary[NODES];    /* t of panel_place; weight in place_table */
   double root[NODES]; /* eigenvector divided by R */
   double ring[SOURCE], ring_weight[SOURCE]; /* nodes of the source's radius */
-  double arc[ARC], arc_weight[ARC];         /* on 0 .. 1 */
+  double arc[ARC], arc_weight[ARC];         /* nodes and weights of an arc, on 0
+                                               .. 1 */
   double *g[2], *t[2];  /* real and, unless `real`, imaginary part of g_m:
                            [order][node][ring]; of T_m: [order][node][node] */
   double *functions[2]; /* R: [order][index][node] */
@@ -82,8 +84,8 @@ typedef struct radial {
    Return the number of eigenfunctions in these kernels. */
 size_t radial_solve(radial *r, size_t n);
 
-/* Return R of an eigenfunction at the nodes: real (part 0) or imaginary part
-   (part 1). */
+/* Return R of an eigenfunction at the nodes: the real part (`part` 0) or the
+   imaginary part (`part` 1). */
 static inline const double *radial_function(const radial *r, const eigen *e,
                                             int part) {
   return r->functions[part] +
@@ -102,12 +104,12 @@ void radial_transfer(const void *self, size_t s, const double *fx, double fy,
                      size_t n, float *out);
 eda_mirrored radial_mirror(const void *self, size_t s);
 
-/* Free the kernels in use. */
+/* Free the coherent kernels in use. */
 void radial_drop(radial *r);
 
 /* ---- residual.c ---- */
 
-/* Compute T of node 2 i with nodes 0, 2, ... 2 i. */
+/* Compute r->pairs for the pairs of node 2 i with the nodes 0, 2, ... 2 i. */
 void radial_evaluate_pairs(void *self, size_t i);
 
 /* Compute S and D of the residual without the first `kept` eigenfunctions. */

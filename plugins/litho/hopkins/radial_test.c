@@ -111,9 +111,9 @@ static void apply_matrix(const operator* o, const double *x, double *out) {
   for (size_t i = 0; i < o->n; i++) out[i] = dot(o->data + i * o->n, x, o->n);
 }
 
-/* Return the operator of shifted pupils. T is a mixture of them, so their
-   common areas have the same eigenvalues: two unit disks, shifted by source
-   points. */
+/* Return the operator of shifted pupils. T is the sum of the shifted pupils, so
+   the matrix of their common areas has the same eigenvalues. A common area is
+   that of two unit disks shifted by two source points. */
 static operator pupils_operator(void) {
   enum { CELLS = 46 };
   static double x[CELLS * CELLS], y[CELLS * CELLS];
@@ -130,8 +130,8 @@ static operator pupils_operator(void) {
     for (size_t j = 0; j < o.n; j++) {
       double d = hypot(x[i] - x[j], y[i] - y[j]) / 2;
       double area = 2 * acos(d) - 2 * d * sqrt(1 - d * d);
-      o.data[i * o.n + j] = area / (double)o.n; /* o.n cells; the area of the
-                                                   source is 1 */
+      o.data[i * o.n + j] = area / (double)o.n; /* the source has o.n cells and
+                                                   the area 1 */
     }
   return o;
 }

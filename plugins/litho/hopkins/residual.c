@@ -4,12 +4,12 @@
    With a1 and a2 the angles of f1 and f2, and h = f1 - f2, the residual of T is
    approximated by
 
-     S(f1) S(f2) [cos a1 cos a2 D(h) + sin a1 sin a2 D(h turned by 90 degrees)].
+   S(f1) S(f2) [cos a1 cos a2 D(h) + sin a1 sin a2 D(h turned by 90 degrees)].
 
    The approximation is exact for h = 0. D depends on length and direction of h:
-   the residual is caused by distant points across the borders of the pupils and
-   extends further along f than across f. If D depended on |h| only, an error of
-   1e-4 for long gratings would require five times the kernels. */
+   the residual is caused by source points at the borders of the shifted pupils
+   and extends further along f than across f. If D depended on |h| only, an
+   error of 1e-4 for long gratings would require five times the kernels. */
 #include <gsl/gsl_linalg.h>
 #include <math.h>
 #include <string.h>
@@ -21,7 +21,7 @@
 static const double stiffness = 1e-4;
 
 /* Smallest |h| in the weight 1 / |h| of pairs. Long lines have pairs along one
-   direction only, where small and large |h| count equally. */
+   direction only, so that small and large |h| have equal weight. */
 static const double least_shift = 0.02;
 
 /* ---- work: pairs ---- */
@@ -92,7 +92,7 @@ void radial_evaluate_pairs(void *self, size_t i) {
 
 /* ---- work: D ---- */
 
-/* A shift (x, y) in the table of D, with bilinear weights: |h| = 2 (i /
+/* Position of a shift in the table of D, with bilinear weights: |h| = 2 (i /
    SHIFTS)^2, cos^2 of the direction = k / (TURNS - 1). */
 typedef struct place {
   int at; /* first of four nodes: at, + 1, + TURNS, + TURNS + 1 */
@@ -133,8 +133,8 @@ static void fit_add_sample(fit *f, size_t n, const int *at, const double *by,
   }
 }
 
-/* Add a pair of frequencies with radii x and y, angles p and q; `residual` is
-   the residual of T over S S. */
+/* Add a pair of frequencies with radii x and y, angles p and q; `residual`: the
+   residual of T divided by S S. */
 static void fit_add_pair(fit *f, double x, double p, double y, double q,
                          double residual, double weight) {
   double c[2] = {cos(p) * cos(q), sin(p) * sin(q)};
@@ -205,7 +205,7 @@ void radial_find_residual(radial *r, size_t kept) {
   radial_find_s(r, kept, s);
   fit_add_pairs(r, kept, s, &f);
   fit_add_stiffness(&f);
-  /* Without pairs (all of T is kept) S is 0 and D is irrelevant. */
+  /* If all of T is kept, there are no pairs: S is 0 and D has no effect. */
   if (!gsl_linalg_cholesky_decomp1(f.a))
     (void)gsl_linalg_cholesky_svx(f.a, f.b);
   for (size_t i = 0; i < VALUES; i++)

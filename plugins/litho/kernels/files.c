@@ -14,8 +14,8 @@ enum { HEADER = 24, MOST_KERNELS = 4096 };
 
 /* ---- weights ---- */
 
-/* Read the next number of a text. *line receives its line. Return 0 if the next
-   word is not a number. */
+/* Read the next number of a text. *line receives the number of its line. Return
+   0 if the next word is not a number. */
 static int next_number(FILE *file, double *value, size_t *line) {
   char word[64];
   size_t n = 0;

@@ -17,9 +17,10 @@ enum { FOCUS, DEFOCUS, SETS };
 
 typedef struct model {
   const opc_host *host;
-  const char *path[SETS]; /* the second may be NULL */
+  const char *path[SETS]; /* files of the kernels in focus and out of focus; the
+                             second may be NULL */
   int64_t wanted;         /* number of kernels of each set; OPC_NO_INT: all */
-  double period, dose;    /* nm, 1 */
+  double period, dose;    /* period, nm; factor on the intensity */
   int dark_field;
   kernel_set set[SETS];
 } model;
@@ -56,7 +57,7 @@ static void reach_spread(double place, int half, reach *r) {
     r->weight[k + half] = (k % 2 ? -wave : wave) / (place - k);
 }
 
-/* A kernel set and the requested frequencies in units of 1 / period. */
+/* A kernel set and the weights of its values at the requested frequencies. */
 typedef struct view {
   const kernel_set *set;
   double period;
@@ -113,7 +114,7 @@ static int model_prepare(void *self, opc_error *error) {
 }
 
 static double set_band(const model *m, const kernel_set *set) {
-  /* Up to the zeros around the nonzero values. */
+  /* Include the zeros that surround the nonzero values. */
   return (set->radius + 1) / m->period;
 }
 
@@ -199,13 +200,14 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED(
         "kernels", model, wanted, .type = OPC_INT, .flags = OPC_AT_LEAST,
         .min = 1,
-        .summary = "number of kernels to use, the first ones; default: all"),
+        .summary =
+            "number of kernels to use, from the first one on; default: all"),
     OPC_PARAMETER(model, dose, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .preset = "1", .summary = "factor on the intensity"),
     OPC_PARAMETER_NAMED("tone", model, dark_field, .type = OPC_CHOICE,
                         .preset = "dark", .choices = "clear|dark",
                         .summary = "field of the mask: clear with dark "
-                                   "features, or dark with clear ones"),
+                                   "features, or dark with clear features"),
 };
 
 static void model_clear(void *self) {

@@ -93,8 +93,8 @@ static eda_shapes box_shapes(eda_box b, eda_point points[4],
   return (eda_shapes){1, start, points, NULL};
 }
 
-/* Two kernels: the orders -1, 0, 1 of x with different phases; and order (0,
-   0). */
+/* Return a value of one of two kernels. The first has the orders -1, 0, 1 of x
+   with different phases, the second has order (0, 0). */
 static float complex two_kernels(int s, int k, int l) {
   if (s == 1) return k == 0 && l == 0 ? 0.5f : 0;
   if (l != 0 || k < -1 || k > 1) return l == 1 && k == 0 ? 0.3f * I : 0;
@@ -131,7 +131,7 @@ static void test_orders(void) {
   }
 }
 
-/* Random values of all orders. */
+/* Return a random value of any order. */
 static float complex by_lot(int s, int k, int l) {
   uint32_t h = (uint32_t)(s * 25 + (l + 2) * 5 + k + 3) * 2654435761u;
   return (float)(h >> 20) / 4096 - 0.5f +
@@ -175,7 +175,7 @@ static float complex wide(int s, int k, int l) {
 }
 
 /* Test a small opening, whose image is defined within half a period, in frames
-   that are multiples of the period and in others. */
+   that are multiples of the period and in other frames. */
 static void test_frames(void) {
   write_set("1 1", 1, 11, wide);
   g_autofree char *path = set_path();
@@ -416,9 +416,9 @@ static void test_contest(void) {
   eda_shapes_clear(&shapes);
 }
 
-/* Test the corners of the contest: nominal; amplitude 2 % more in focus and 2 %
-   less out of focus, 1.02^2 and 0.98^2 in intensity. The areas (nm^2) that
-   differ from the clip or between the corners are those of a program that
+/* Test the corners of the contest: nominal; in focus with 2 % more amplitude
+   (intensity 1.02^2), and out of focus with 2 % less (0.98^2). The areas (nm^2)
+   that differ from the clip or between the corners are those of a program that
    rasters the clip and sums over frequencies. */
 static void test_merit(void) {
   enum { SIDE = 1300 };

@@ -32,7 +32,7 @@ static inline size_t drc_violations(opc_module *m, const eda_printed *p,
   return count;
 }
 
-/* Up to 16 boxes of a layer, as shapes and as printed image. */
+/* Up to 16 boxes of a layer, as polygons and as printed image. */
 typedef struct boxes {
   eda_point points[64];
   uint32_t start[17];

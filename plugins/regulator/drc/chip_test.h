@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Test helpers of the regulator: a chip on a 1 nm grid whose printed image is a
-   function of the test, which may follow the last ruling. */
+   function of the test, which may depend on the last ruling. */
 #pragma once
 
 #include <eda/eda.h>
@@ -137,7 +137,8 @@ static inline void chip_end(chip *c) {
     eda_field_clear(&c->print[layer]);
 }
 
-/* Return the extent of repair shapes beyond the right edge x at height y. */
+/* Return the extent of repair shapes beyond the right edge at x, at height
+   y. */
 static inline int32_t added_extent(const chip *c, int32_t x, double y) {
   int32_t by = 0;
   for (size_t i = 0; i < c->ruling.added[EDA_POLY].count; i++) {

@@ -77,7 +77,7 @@ static uint32_t gate_vetoes(const drc *r, const eda_printed *p, size_t i) {
   if (p->flags[i] & EDA_PRINT_MERGED) v |= EDA_VETO_LONGER;
   if (p->flags[i] & (EDA_PRINT_OPEN | EDA_PRINT_NO_ACTIVE))
     v |= EDA_VETO_SHORTER | EDA_VETO_NARROWER;
-  /* Space on the mask if the neighbour grows equally. */
+  /* Compute the space on the mask for a neighbour with the same bias. */
   double growth = p->l[i] * g->grid;
   if (fmin(g->space[2 * i], g->space[2 * i + 1]) - growth - g->grid <
       r->min_space)
@@ -149,7 +149,7 @@ static void report_extension(const drc *r, const eda_printed *p, size_t end,
   size_t i = end / 2;
   int high = end % 2;
   eda_violation v = at_gate(g, i, ends_reason(r, end));
-  eda_box b = g->box[i]; /* the violation is located at the end of the gate */
+  eda_box b = g->box[i]; /* locate the violation at the end of the gate */
   if (g->axis[i] == EDA_Y)
     v.x = (high ? b.x1 : b.x0) * g->grid;
   else
@@ -200,7 +200,7 @@ static int violations_of(void *self, const eda_printed *p, eda_violation *v,
 
 static const opc_parameter parameters[] = {
     LENGTH(overlay, 1000, "0.039 lambda/NA",
-           "largest overlay error between layers"),
+           "largest overlay error (misalignment) between layers"),
     LENGTH(min_extension, 10000, "2 overlay",
            "smallest printed extension of poly past the active"),
     LENGTH(want_extension, 10000, "min_extension",

@@ -28,7 +28,7 @@ typedef struct places {
 typedef struct response {
   int32_t bias; /* displacement of the mask edge at the measurement */
   double value; /* measured figure of the printed edge, nm */
-  int seen;     /* 1: measured */
+  int seen;     /* 1: an earlier measurement exists */
 } response;
 
 enum {
@@ -46,26 +46,29 @@ typedef struct site {
   int32_t repair; /* index in drc.repairs (SITE_GAP: drc.pairs); -1: none */
   uint16_t layer;
   uint8_t kind;
-  uint8_t sides;   /* set of checked sides, 1 << LEFT and so on; SITE_GAP: LEFT
-                      or BELOW, the axis across the gap */
-  uint8_t failing; /* set of sides that failed the last check */
+  uint8_t sides;   /* bit set of checked sides (1 << LEFT and so on); SITE_GAP:
+                      LEFT or BELOW, the axis across the gap */
+  uint8_t failing; /* bit set of sides that failed the last check */
 } site;
 
 /* Line end beyond an end of the width of gate i: element 2 * i of drc.ends for
    the LOW end, 2 * i + 1 for the HIGH end. */
 typedef struct line_end {
-  eda_box tip;           /* drawn edge of the line end, flat */
+  eda_box tip;           /* drawn edge of the line end, a box of height or width
+                            0 */
   int side;              /* outward direction; -1: no line end */
   int32_t most, by;      /* largest and present outward displacement */
-  int32_t share;         /* displacement that uses half of the spacing to a
-                            facing line end */
-  int32_t limit;         /* largest displacement that neighbours permit now */
+  int32_t share;         /* displacement that uses half of the drawn space in
+                            front of the line end */
+  int32_t limit;         /* largest displacement that neighbours permit at
+                            present */
   int32_t start;         /* length of the head inwards of the tip */
   int32_t widest, wider; /* largest and present widening of the head, per flank
                           */
   double requested; /* requested widening, nm, for which `widest` was computed;
-                       INFINITY: must not widen again */
-  response length, width; /* response to `by` and to `wider` */
+                       INFINITY: the head must not be widened again */
+  response length, width; /* responses of the printed extension to `by` and to
+                             `wider` */
 } line_end;
 
 /* Repair of a site that failed at least once. A repair shape displaces a
@@ -80,7 +83,7 @@ typedef struct repair {
   /* Active edges whose displacement by a gate's width displaces the corner at
      each end of the segment; NULL: none. */
   const eda_fragment *corner[SIDES][2];
-  uint32_t back[SIDES]; /* drc.round of the last reduction */
+  uint32_t back[SIDES]; /* value of drc.round at the last reduction */
   double value[SIDES];  /* distance from the side outwards to the contour, nm */
   response response[SIDES];
   double flanked[SIDES]; /* `value` when the adjacent sides were last displaced
@@ -89,12 +92,12 @@ typedef struct repair {
 
 /* A stretch of a drawn poly edge that is displaced inwards by a cut-out. */
 typedef struct trim {
-  eda_box wall;         /* the stretch, flat */
+  eda_box wall;         /* the stretch, a box of width or height 0 */
   int side;             /* direction from the stretch to the gap */
   int32_t limit, depth; /* largest and present inward displacement */
   int32_t front;        /* half of the gap's width; the cut-out extends so far
                            into the gap, to remove repair shapes there */
-  uint32_t round;       /* drc.round of the last displacement */
+  uint32_t round;       /* value of drc.round at the last displacement */
 } trim;
 
 /* A filled notch or a removed bump, replaced by a straight edge. The polygon is
@@ -102,7 +105,8 @@ typedef struct trim {
 typedef struct smoothing {
   eda_box box;
   eda_point from, to;
-  uint8_t bump, stays; /* 1: bump, 0: notch; 1: confirmed on the mask */
+  uint8_t bump, stays; /* bump: 1: bump, 0: notch; stays: 1: the straight edge
+                          is on the mask */
 } smoothing;
 
 typedef struct smoothings {
@@ -127,7 +131,8 @@ typedef struct drc {
   places pads;                /* contacts that poly must cover */
   places widths;              /* active edges at ends of gate widths */
   const eda_fragment **width; /* [widths.n]: fragments of `widths` */
-  places mask;                /* poly edges of the present mask, on demand */
+  places mask;                /* poly edges of the present mask, computed on
+                                 demand */
   char **bridging; /* [layers]: name of the violation if a gap prints */
   site *sites;
   size_t n_sites, sites_capacity;
@@ -141,7 +146,7 @@ typedef struct drc {
                           -1: none */
   size_t n_pairs, pairs_capacity;
   uint32_t round;         /* number of checked iterations */
-  smoothings *smoothings; /* [layers] */
+  smoothings *smoothings; /* [layers], filled notches and removed bumps */
   int reverted;           /* number of bumps restored because their removal
                              created a notch */
 
@@ -201,13 +206,13 @@ int sites_find(drc *r, opc_error *error);
 
 void ends_find(drc *r);
 /* Displace a line end outwards if the printed extension is too short, or widen
-   the head if the line end is at its limit. `bias`: present, then next
-   displacement. */
+   the head if the line end is at its limit. `bias`: on entry the present
+   displacement, on return the next displacement. */
 void ends_advance(drc *r, const eda_printed *p, size_t end, int32_t *bias);
 /* If a failing site is beyond an end of the nearest gate's width, reduce the
-   head or the displacement of the line end there and limit later values.
-   `bias`: displacements of all line ends. Return 1 if the line end was reduced.
- */
+   head or the displacement of the line end at that end. Both are limited from
+   then on. `bias`: displacements of all line ends. Return 1 if the line end was
+   reduced. */
 int ends_revert(drc *r, const site *wrong, int32_t *bias);
 /* Add the shapes of all heads to the ruling. */
 void ends_add_heads(drc *r);
@@ -219,8 +224,9 @@ const char *ends_reason(const drc *r, size_t end);
 
 /* Check the sites on a printed image, and create repairs of failing sites. */
 void repairs_check(drc *r, const eda_printed *p);
-/* Enlarge repair shapes of failing sites. Reduce repair shapes that bridge a
-   gap or touch a contact, or trim poly edges there. */
+/* Enlarge repair shapes of failing sites. At a bridged gap or a touched
+   contact, reduce the repair shapes that cause the fault, or trim poly
+   edges. */
 void repairs_grow(drc *r, const eda_printed *p);
 /* Add the shapes of all repairs to the ruling. */
 void repairs_add_shapes(drc *r, const eda_printed *p);
@@ -248,7 +254,7 @@ void trims_add_cutouts(drc *r);
    filled, bumps removed. */
 void smooth_masks(drc *r, const eda_printed *p);
 /* Discard smoothings that touch a place where the mask violates its rules. The
-   next iteration finds notches and bumps there again. */
+   next iteration searches that place for notches and bumps again. */
 void smooth_drop(drc *r, size_t layer, eda_box place);
 /* Add filled notches and removed bumps to the ruling. */
 void smooth_add_boxes(drc *r);

@@ -81,7 +81,7 @@ static size_t fixture_rule(opc_module *m, fixture *f) {
 }
 
 /* A line end whose printed end moves by 0.6 nm per nm reaches the limit after
-   at most three iterations, with little excess, and then stays. */
+   at most three iterations, with little excess, and then does not move. */
 static void test_extension(void) {
   static const double at_first[] = {13, 19.9, -30};
   for (size_t k = 0; k < G_N_ELEMENTS(at_first); k++) {
@@ -103,8 +103,8 @@ static void test_extension(void) {
   }
 }
 
-/* The default of min_extension is twice the overlay; a line end without
-   response stops at max_growth. */
+/* The default of min_extension is twice the overlay; a line end whose printed
+   end does not move stops at max_growth. */
 static void test_default_extension(void) {
   g_autoptr(opc_module) m = drc_make("{ overlay: 6 nm, max_growth: 25 nm }");
   fixture f;
@@ -117,8 +117,8 @@ static void test_default_extension(void) {
   g_assert_cmpint(f.end[1], ==, 25);
 }
 
-/* Different gates at the same address are recognized, also before their first
-   iteration. */
+/* Different gates at the same address are recognized, also before the first
+   iteration with the other gates. */
 static void test_others(void) {
   g_autoptr(opc_module) m = drc_make("{ min_space: 60 nm }");
   fixture f;
@@ -144,7 +144,7 @@ static void test_facing(void) {
 }
 
 /* If only one line end is too short, it may use the share of the other line
-   end, except for the rounding of a third. */
+   end, except for a rest of a third of a step. */
 static void test_alone(void) {
   g_autoptr(opc_module) m = drc_make("{ min_space: 60 nm }");
   fixture f;
@@ -157,8 +157,8 @@ static void test_alone(void) {
   g_assert_cmpint(f.end[2], ==, 0);
 }
 
-/* For any order and amount of displacements, the line ends keep min_space, and
-   use almost the entire spacing if both need it. */
+/* Whatever the order and size of displacements, the line ends keep min_space.
+   If both are too short, they use almost the entire spacing. */
 static void test_turns(void) {
   guint32 seed = 1;
   for (int run = 0; run < 200; run++) {
@@ -189,7 +189,8 @@ static void test_vetoes(void) {
   g_assert_cmpuint(fixture_rule(m, &f), ==, 0);
   g_assert_cmpuint(f.vetoes[0], ==, EDA_VETO_LONGER);
   g_assert_cmpuint(f.vetoes[1], ==, EDA_VETO_SHORTER | EDA_VETO_NARROWER);
-  /* 100 nm of spacing: with l = 39 the next step leaves 60, with 40 less. */
+  /* The drawn space is 100 nm: at l = 39, a further step leaves 60 nm, at l =
+     40 less. */
   f.flags[0] = f.flags[1] = 0;
   f.space[0] = 100;
   f.l[0] = 39;
@@ -210,7 +211,7 @@ static void test_violations(void) {
   eda_printed p = print_of(&f);
   eda_violation v[3];
   g_assert_cmpuint(drc_violations(m, &p, v, 2), ==,
-                   4); /* more than the capacity */
+                   4); /* more violations than the capacity */
   g_assert_cmpstr(v[0].rule, ==, "extension: could still move");
   g_assert_cmpint(v[0].gate, ==, 0);
   g_assert_cmpfloat(v[0].value, ==, 12.5);
@@ -219,13 +220,16 @@ static void test_violations(void) {
   g_assert_cmpfloat(v[0].y, ==, 300);
   g_assert_cmpstr(v[1].rule, ==, "bridging");
   g_assert_cmpint(v[1].gate, ==, 1);
-  for (int i = 0; i < 5; i++) fixture_rule(m, &f); /* 5 nm of spacing */
+  for (int i = 0; i < 5; i++)
+    fixture_rule(m, &f); /* the line end has 5 nm of
+                            spacing */
   drc_violations(m, &p, v, 3);
   g_assert_cmpint(f.end[1], ==, 5);
   g_assert_cmpstr(v[0].rule, ==, "extension; no space before the line end");
 }
 
-/* Line ends that moved until their printed ends merged move back, and stay. */
+/* Line ends that moved until their printed ends merged move back and are not
+   extended again. */
 static void test_back(void) {
   g_autoptr(opc_module) m =
       drc_make("{ min_space: 20 nm, min_extension: 30 nm }");
@@ -256,7 +260,7 @@ static void test_back(void) {
     g_assert_cmpint(f.end[1], >=, 60 - 5 * i);
   }
   g_assert_cmpuint(f.vetoes[0], ==, 0); /* the length of the gate is not the
-                                           cause */
+                                           cause, so there is no veto */
   for (int layer = 0; layer < LAYERS; layer++) eda_field_clear(&print[layer]);
 }
 

@@ -103,7 +103,7 @@ static int end_is_clear(const eda_printed *p, const line_end *e) {
   double *along = side_upright(e->side) ? &x : &y;
   double out = e->side == LEFT || e->side == BELOW ? -1 : 1;
   const eda_field *print = &p->print[EDA_POLY];
-  *along -= out * e->start * grid; /* inside the printed line */
+  *along -= out * e->start * grid; /* start inside the printed line */
   for (double d = 0; d < tuned.reach; d += grid, *along += out * grid) {
     eda_field_sample(print, &x, &y, 1, &value);
     if (value <= 0) break;
@@ -117,8 +117,8 @@ static int end_is_clear(const eda_printed *p, const line_end *e) {
 
 /* Return the largest displacement that neighbours permit at present. A facing
    line end may move in the same iteration. Therefore a line end within its
-   share uses at most two thirds of the spacing, and beyond its share one third.
- */
+   share may use at most two thirds of the spacing, and a line end beyond its
+   share one third. */
 static int32_t outward_limit(drc *r, const eda_printed *p, const line_end *e,
                              int32_t bias) {
   int32_t share = e->share < e->most ? e->share : e->most;
@@ -131,8 +131,8 @@ static int32_t outward_limit(drc *r, const eda_printed *p, const line_end *e,
 }
 /* Return the target of the printed extension: the desired extension if nothing
    prints in front of the line end, else the required extension. A request of
-   the synthesizer is valid in all iterations, because the synthesizer accounts
-   for the effect. */
+   the synthesizer is valid in all iterations, because the synthesizer expects
+   the effect of its own requests. */
 static double wanted_extension(const drc *r, const eda_printed *p, size_t end) {
   const line_end *one = &r->ends[end];
   double extension = p->extension[end], desired = r->min_extension;

@@ -4,8 +4,8 @@
 #include "chip_test.h"
 
 /* A line end that prints 0.7 nm per nm of length and 3 nm per nm of its head:
-   first by length, until steps of a third have used the 40 nm of spacing, then
-   by width. */
+   the extension first grows by length, until steps of a third have used the
+   spacing of 40 nm, then by the width of the head. */
 static void test_heads(void) {
   static const struct {
     const char *parameters;
@@ -45,8 +45,9 @@ static void test_heads(void) {
   }
 }
 
-/* Requests of the synthesizer are valid in all iterations: length, and a head
-   if the length is limited; never more than requested. */
+/* Requests of the synthesizer apply in all iterations. They extend the line
+   end, and widen the head if the length is limited, never by more than
+   requested. */
 static void test_requested(void) {
   for (int k = 0; k < 3; k++) {
     g_autoptr(opc_module) m = drc_make("{ min_extension: 20 nm }");
@@ -84,11 +85,11 @@ static void test_desired_extension(void) {
     add_end(&c, 300);
     chip_begin(&c);
     c.extension[0] = INFINITY;
-    c.extension[1] = k == 1 ? 195 : 25; /* 25 nm before the printed image of the
-                                           other line */
+    c.extension[1] = k == 1 ? 195 : 25; /* in case 1, the line end prints 25 nm
+                                           before the other line */
     if (k == 1) c.extension[1] = 39.5, c.drawn[1] = 100;
     chip_print(&c, line_ends);
-    if (k == 1) { /* the other line prints near */
+    if (k == 1) { /* the other line prints nearby */
       c.extension[1] = 195;
       chip_print(&c, line_ends);
       c.extension[1] = 39.5;

@@ -175,7 +175,9 @@ static void test_added_beside(void) {
         chip_print(&c, short_pad);
         chip_judge(m, &c);
       }
-      int32_t spacing = MAX(d - 40, 0), wanted = 7; /* and 1 nm more */
+      int32_t spacing = MAX(d - 40, 0), wanted = 7; /* the repair shape extends
+                                                       1 nm further than
+                                                       required */
       g_assert_cmpint(added_extent(&c, 106, 70), <=, MIN(spacing, wanted + 2));
       g_assert_cmpint(added_extent(&c, 106, 70), >=, MIN(spacing, wanted));
       chip_end(&c);
@@ -242,7 +244,7 @@ static void test_waist(void) {
     chip c = {0};
     int found = 0;
     add_end(&c, 600);
-    for (int i = 0; i < 2; i++) /* begins further down */
+    for (int i = 0; i < 2; i++) /* the waist begins further down */
       c.points[i].y = c.fragments[i].from.y = -400;
     chip_begin(&c);
     c.extension[1] = 100;

@@ -14,7 +14,8 @@ static size_t count_rule(const eda_violation *v, size_t n, const char *name,
   return found;
 }
 
-/* Widths, spaces and corners by hand; a jog is neither. */
+/* Check widths, spaces and corners by hand calculations; the height of a jog is
+   neither a width nor a space. */
 static void test_mask(void) {
   static const struct {
     const char *name;
@@ -139,7 +140,7 @@ static char *ask_klayout(const char *text) {
 }
 
 /* Random rectangles: at each distance, the number of facing edges equals that
-   of KLayout; some corners face each other at whole distances too. */
+   of KLayout; some pairs of corners at these distances are found, too. */
 static void test_klayout(void) {
   static const char *const rules[] = {"mask width", "mask space"};
   enum { ROOM = 100000 };

@@ -73,8 +73,8 @@ static void test_trims(void) {
   }
 }
 
-/* Return the level set of the same lines, the lower one of which vanishes where
- * more than 7 nm are cut. */
+/* Return the level set of the same two lines. The lower line vanishes where
+   more than 7 nm are cut out. */
 static double weak_bars(const chip *c, double x, double y) {
   if (x >= 0 && x <= 900 && cutout_depth(c, x, 100, 1) > 7)
     return fmin(y - 196, 296 - y);
@@ -125,8 +125,8 @@ static void test_segment(void) {
   chip_begin(&c);
   chip_print(&c, beside);
   chip_judge(m, &c);
-  g_assert_cmpint(added_extent(&c, 106, 400), >, 0); /* the whole edge, without
-                                                 a jog */
+  g_assert_cmpint(added_extent(&c, 106, 400), >, 0); /* the whole edge moves,
+                                                        without a jog */
   for (int i = 0; i < 6; i++) {
     chip_print(&c, beside);
     chip_judge(m, &c);
@@ -236,7 +236,8 @@ static void test_too_near(void) {
   chip_judge(m, &c);
   g_assert_cmpint(added_extent(&c, 106, 135), ==, 7);
   memcpy(c.moved, c.points, sizeof c.moved);
-  c.moved[1].x = c.moved[2].x = 125; /* 35 nm from the other corner */
+  c.moved[1].x = c.moved[2].x = 125; /* the corner is now 35 nm from the other
+                                        corner */
   c.mask[EDA_POLY].points = c.moved;
   chip_judge(m, &c);
   g_assert_cmpint(added_extent(&c, 106, 135), ==, 0);
@@ -244,8 +245,8 @@ static void test_too_near(void) {
   chip_end(&c);
 }
 
-/* Return the level set of two lines as above, the lower one of which needs a
-   repair shape for a contact; that shape bridges the lines. */
+/* Return the level set of two lines as above. The lower line needs a repair
+   shape for a contact, and that shape bridges the lines. */
 static double two_pads(const chip *c, double x, double y) {
   int32_t up = 0;
   for (size_t i = 0; i < c->ruling.added[EDA_POLY].count; i++) {
@@ -259,9 +260,9 @@ static double two_pads(const chip *c, double x, double y) {
   return high - low < 120 ? fmin(y + 30, 326 - y) : bars;
 }
 
-/* A repair shape that was reduced, but that the contact requires, grows by less
-   each time. Then edges that no contact requires move inwards. The violation of
-   the contact remains, with its cause. */
+/* A repair shape that was reduced, but that the contact requires, grows again
+   by less each time. Then edges that no contact requires move inwards. The
+   violation of the contact remains, with its cause. */
 static void test_contested(void) {
   g_autoptr(opc_module) m = drc_make("{}");
   chip c = {0};

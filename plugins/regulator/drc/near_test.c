@@ -28,7 +28,7 @@ static int32_t outwards(eda_box b, int side, int32_t x, int32_t y) {
                          : y - b.y1;
 }
 
-/* Return whether the unit square is within `beside` of the flanks. */
+/* Return whether the unit square is at most `beside` beyond the flanks. */
 static int is_along(eda_box b, int side, int32_t beside, int32_t x, int32_t y) {
   return side_upright(side) ? y >= b.y0 - beside && y < b.y1 + beside
                             : x >= b.x0 - beside && x < b.x1 + beside;
@@ -113,8 +113,8 @@ static void test_spacing(void) {
     eda_printed print = {.shapes = &shapes};
     drc r = {.grid = 0.5, .min_space = SPACE * 0.5 - 0.1};
     int32_t most = draw_boxes(0, 6), want = most;
-    /* The edges of boxes are lines: one step after each there is another
-       one. */
+    /* The edges of a box are lines, so another edge is one step beyond each
+       edge. */
     for (int i = 0; i < BOXES; i++) {
       eda_box e[] = {{box[i].x0, box[i].y0, box[i].x0, box[i].y1},
                      {box[i].x1, box[i].y0, box[i].x1, box[i].y1},

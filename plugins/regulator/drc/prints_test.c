@@ -29,14 +29,15 @@ static void test_enclosure(void) {
   c.printed[EDA_POLY].points[1].x = c.printed[EDA_POLY].points[2].x = 111;
   chip_show(&c);
   chip_judge(m, &c);
-  g_assert_cmpuint(c.ruling.added[EDA_POLY].count, ==, 1); /* unchanged */
+  g_assert_cmpuint(c.ruling.added[EDA_POLY].count, ==, 1); /* the shape is
+                                                              unchanged */
   g_assert_cmpint(c.ruling.added[EDA_POLY].box[0].x1, ==, added.x1);
   g_assert_cmpuint(drc_violations(m, &c.p, &v, 1), ==, 0);
   chip_end(&c);
 }
 
-/* The same with a neighbour 46 nm away: 3 nm are available, and then the
-   adjacent sides extend the corners. */
+/* The same contact with a neighbour 46 nm away: the side can move by 3 nm; then
+   the adjacent sides are displaced to extend its corners. */
 static void test_near_neighbour(void) {
   g_autoptr(opc_module) m = drc_make("{ overlay: 10 nm, min_space: 40 nm }");
   chip c = {0};
@@ -144,7 +145,8 @@ static void test_neck(void) {
     g_assert_cmpint(b.y1, <, 620);
     g_assert_true((b.x1 >= 69 && b.x1 <= 75) || (b.x0 <= -9 && b.x0 >= -15));
   }
-  /* Wide enough, but off the drawn centre: no violation. */
+  /* A line that is wide enough but displaced from the drawn centre is no
+     violation. */
   c.printed[EDA_POLY].points[5].x = c.printed[EDA_POLY].points[6].x = 60;
   chip_show(&c);
   g_assert_cmpuint(drc_violations(m, &c.p, v, 4), ==, 0);
@@ -170,7 +172,7 @@ static void test_gap(void) {
   add_box(&c.printed[EDA_POLY], 0, 0, 240, 300);
   chip_show(&c);
   size_t n = drc_violations(m, &c.p, v, 10);
-  g_assert_cmpuint(n, ==, 5); /* one per 60 nm */
+  g_assert_cmpuint(n, ==, 5); /* one site per 60 nm */
   for (size_t i = 0; i < n; i++) {
     g_assert_cmpstr(v[i].rule, ==, "bridging: poly: could still move");
     g_assert_cmpfloat(v[i].x, ==, 120);
@@ -179,8 +181,8 @@ static void test_gap(void) {
   chip_end(&c);
 }
 
-/* The same on a layer after active, where covering a contact by 4 nm is no
-   violation. */
+/* The same on a layer after active, where coverage of a contact by only 4 nm is
+   no violation. */
 static void test_metal(void) {
   g_autoptr(opc_module) m = drc_make("{ overlay: 10 nm }");
   chip c = {0};
@@ -196,7 +198,7 @@ static void test_metal(void) {
   g_assert_cmpuint(c.ruling.added[EDA_POLY].count, ==, 0);
   g_assert_cmpuint(c.ruling.added[METAL].count, ==, 0);
   size_t n = drc_violations(m, &c.p, v, 20);
-  g_assert_cmpuint(n, ==, 3); /* one per 60 nm */
+  g_assert_cmpuint(n, ==, 3); /* one site per 60 nm */
   for (size_t i = 0; i < n; i++) {
     g_assert_cmpstr(v[i].rule, ==, "bridging: metal1");
     g_assert_cmpfloat(v[i].x, ==, 168);

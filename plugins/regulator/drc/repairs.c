@@ -111,7 +111,8 @@ static double site_contour(const drc *r, const eda_printed *p, const site *s,
     int good = (value > 0) == site_wants(s);
     d = out * eda_field_edge(print, axis, x[k], y[k], tuned.reach);
     if (isnan(d)) d = good ? tuned.reach : -tuned.reach;
-    /* If the sign is correct, the nearest contour may be on either side. */
+    /* If the sign is correct, the contour may be on either side of the point:
+       search both. */
     least = fmin(least, m + (good ? fabs(d) : -fabs(d)));
   }
   return least;
@@ -306,7 +307,7 @@ static void repair_find_corners(const drc *r, const site *s, repair *one,
 }
 
 /* Choose the segment to displace on a side: the entire edge, which adds no jog,
-   or the part in front of the site if its limit is larger. */
+   or only the part in front of the site if that part may move further. */
 static void repair_find_edge(const drc *r, const site *s, repair *one,
                              int side) {
   eda_box edge = {0};
@@ -354,8 +355,8 @@ void repairs_check(drc *r, const eda_printed *p) {
 
 /* ---- repairs ---- */
 
-/* Return the figure of a side that is compared with the limit. The total width
-   of a line counts, so each side has half of the sum. */
+/* Return the figure of a side that is compared with the limit. For a line, the
+   total width is compared, so each side has half of the sum of both sides. */
 static double repair_figure(const site *s, const repair *one, int side) {
   return s->kind == SITE_LINE
              ? (one->value[side] + one->value[side_opposite(side)]) / 2
@@ -413,7 +414,9 @@ static int shapes_reduce(drc *r, const eda_printed *p, const site *wrong,
                            wrong->box))
         continue;
       found = 1;
-      if (one->back[k] == r->round) continue; /* once per iteration */
+      if (one->back[k] == r->round)
+        continue; /* reduce a side at most once per
+                     iteration */
       one->back[k] = r->round;
       if (one->whole[k]) {
         repair_keep_segment(r, of, one, k);
@@ -427,9 +430,9 @@ static int shapes_reduce(drc *r, const eda_printed *p, const site *wrong,
   return found;
 }
 
-/* Clear a site where the layer must not print: reduce repair shapes that face
-   the site; if there are none, trim poly edges; else reduce repair shapes
-   nearby. */
+/* Repair a site where the layer must not print. Reduce the repair shapes that
+   face the site; if there are none, trim poly edges; if that is not possible,
+   reduce all repair shapes nearby. */
 static void site_clear(drc *r, const eda_printed *p, site *wrong) {
   int32_t near = (int32_t)(tuned.reach / r->grid);
   int32_t step = (int32_t)ceil(tuned.back / r->grid);
@@ -482,7 +485,7 @@ void repairs_add_shapes(drc *r, const eda_printed *p) {
     const repair *one = &r->repairs[i];
     for (int k = 0; k < SIDES; k++) {
       eda_box b = repair_shape(r, p, one, k);
-      /* The box is empty if the corners have passed each other. */
+      /* Skip a shape whose ends have passed each other. */
       if (one->grow[k] && b.x0 < b.x1 && b.y0 < b.y1)
         eda_box_list_add(&r->added[r->sites[one->site].layer], b);
     }
@@ -528,7 +531,8 @@ static void report_line(const drc *r, const site *s, eda_violation v,
   int low = s->sides & 1 << LEFT ? LEFT : BELOW;
   double box = (double)s->box.x1 - s->box.x0 + ((double)s->box.y1 - s->box.y0);
   double width = box * r->grid + one->value[low] + one->value[low + 1];
-  /* A line that prints wide enough beside the drawn centre is no violation. */
+  /* A line that prints wide enough but displaced from the drawn centre is no
+     violation. */
   if (width >= r->min_width) return;
   v.value = fmax(0, width);
   v.limit = r->min_width;

@@ -44,7 +44,8 @@ static int32_t nearest_gate(const drc *r, eda_box b) {
 
 /* ---- contacts ---- */
 
-/* Position of a contact relative to the shapes of a layer. */
+/* Positions of a contact relative to the shapes of a layer: outside, inside or
+   partly inside. */
 enum { OUTSIDE, PARTLY, WITHIN };
 
 static uint8_t contact_position(const places *common, eda_box box) {
@@ -84,10 +85,10 @@ static int sort_contacts(const drc *r, const eda_shapes *contacts,
 }
 
 /* Add the sites of a contact. A layer drawn over the entire contact must cover
-   the contact. Poly that does not touch the contact must not print there. A
-   contact drawn partly on a layer is not checked on that layer. Layers after
-   active have no enclosure sites, because repair shapes would counteract the
-   synthesizer that displaces their edges. */
+   the contact. If the contact is drawn outside of poly, no poly may print at
+   the contact. A contact drawn partly on a layer is not checked on that layer.
+   Layers after active have no enclosure sites, because repair shapes would
+   counteract the synthesizer that displaces their edges. */
 static void add_contact(drc *r, eda_box box, const uint8_t *how, size_t n,
                         eda_box_list *apart_from_poly, eda_box_list *on_poly) {
   site one = {.box = box,
@@ -170,8 +171,8 @@ static eda_point point_beyond(eda_point p, int side, int32_t d) {
   return side == ABOVE ? (eda_point){p.x, p.y + d} : (eda_point){p.x + d, p.y};
 }
 
-/* Return 1 if the point is within a gate, which has no sites because gates are
-   measured. */
+/* Return 1 if the point is within a gate, where no sites are needed, because
+   gates are measured separately. */
 static int in_gate(const drc *r, eda_point p) {
   eda_finder f = eda_index_find(r->boxes.index, (eda_box){p.x, p.y, p.x, p.y});
   for (uint32_t i; eda_index_next(&f, &i);) {

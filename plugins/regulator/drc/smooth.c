@@ -21,9 +21,10 @@ static int is_between(int32_t v, int32_t a, int32_t b) {
   return a < b ? v >= a && v <= b : v >= b && v <= a;
 }
 
-/* Return 1 if an end of the straight edge is valid. Only an end at the corner b
-   of the mask corners a, b, c can be invalid: b must turn left for a bump,
-   right for a notch. Otherwise the smoothing protrudes. */
+/* Return 1 if an end of the straight edge of smoothing m is valid. Only an end
+   at the corner b of the mask corners a, b, c can be invalid: b must turn left
+   for a bump, right for a notch. Otherwise the smoothing would protrude from
+   the mask. */
 static int is_valid_corner(const smoothing *m, eda_point end, eda_point a,
                            eda_point b, eda_point c) {
   return end.x != b.x || end.y != b.y || turns_left(a, b, c) == m->bump;
@@ -52,7 +53,7 @@ static void polygon_corners(const eda_shapes *mask, size_t p, uint32_t i,
   for (uint32_t k = 0; k < 4; k++) q[k] = at[(i + k) % n];
 }
 
-/* Mark the smoothings whose straight edges are on the mask. */
+/* Mark the smoothings whose straight edges are still on the mask. */
 static void smoothings_mark(smoothings *s, const eda_shapes *mask,
                             double grid) {
   if (!s->n) return;

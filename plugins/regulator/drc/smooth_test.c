@@ -79,7 +79,7 @@ static void test_jogs(void) {
     }
     gint64 more = eda_area2(&mask) - eda_area2(&base);
     g_assert_cmpint(ABS(more), <, 2 * 3 * 40 * JOGS);
-    /* Without the jogs, their repairs vanish. */
+    /* If the jogs are removed, their repairs vanish. */
     eda_shapes plain = c.shapes[EDA_POLY];
     for (int i = 0; i < 4; i++) {
       eda_shapes_clear(&mask);
@@ -107,9 +107,9 @@ static void make_notched(eda_point q[8], int bump, int32_t depth) {
   memcpy(q, all, sizeof all);
 }
 
-/* A repair remains while the edge in the notch moves by typical steps of a
-   synthesizer: no slit opens behind the repair, and no sliver remains. A notch
-   deeper than its required width is not repaired. */
+/* A repair remains while a synthesizer moves the edge in the notch by typical
+   steps. No slit opens behind the repair, and no sliver remains. A notch deeper
+   than its required width is not repaired. */
 static void test_moving_jogs(void) {
   for (int bump = 0; bump < 2; bump++)
     for (int32_t depth = 5; depth <= 46; depth++) {

@@ -41,7 +41,7 @@ static void stretch_shorten(stretch *s, eda_box b, int32_t keep) {
   }
 }
 
-/* Keep the distance `nm` to all boxes behind the wall. */
+/* Keep the trimmed wall at the distance `nm` from all boxes behind the wall. */
 static void stretch_keep_away(const drc *r, stretch *s, const places *what,
                               double nm) {
   int32_t keep = (int32_t)ceil(nm / r->grid);
@@ -72,7 +72,7 @@ static trim trim_of(const drc *r, eda_box wall, int side, int32_t at) {
     wall.x0 = s.from, wall.x1 = s.to;
   trim t = {.wall = wall, .side = side};
   if ((s.to - s.from) * r->grid < r->min_space) return t;
-  /* The opposite edge of the line may be trimmed as deep. */
+  /* The opposite edge of the line may be trimmed by the same depth. */
   int32_t thick = places_nearest(&r->edges[EDA_POLY],
                                  box_window(wall, behind, 1, 3 * far, 0),
                                  behind, 3 * far, NULL) +
@@ -170,7 +170,7 @@ int trims_revert(drc *r, const site *line) {
 }
 
 int trims_can_deepen(const drc *r, const site *gap) {
-  if (gap->repair < 0) return 1; /* not tried yet */
+  if (gap->repair < 0) return 1; /* no trim has been tried yet */
   for (int i = 0; i < 2; i++) {
     int32_t number = r->pairs[gap->repair][i];
     if (number >= 0 && r->trims[number].depth < r->trims[number].limit)

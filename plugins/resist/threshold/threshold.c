@@ -12,7 +12,7 @@
 
 typedef struct resist {
   resist_base base;
-  double given[RESIST_SETS]; /* threshold; NAN: calibrate */
+  double given[RESIST_SETS]; /* threshold, clear field 1; NAN: calibrate */
   double threshold[RESIST_SETS];
 } resist;
 

@@ -21,7 +21,7 @@ static void test_anchor(void) {
   eda_field_clear(&f);
 }
 
-/* Return the threshold: the level of a dark image. */
+/* Return the threshold, which is the level set of a dark image. */
 static double threshold_of(opc_module *resist, int layer) {
   const eda_resist *develop = resist->functions;
   opc_error error;
@@ -54,7 +54,8 @@ static void test_truth(void) {
 static void test_through_pitch(void) {
   g_autoptr(opc_module) litho = lines_hopkins();
   g_autoptr(opc_module) resist = prepared("{}", litho);
-  /* Far from the line the level is the threshold minus the clear field. */
+  /* Far from the line, the level set equals the threshold minus the clear
+     field. */
   eda_field f = lines_print(litho, resist, EDA_POLY, 65, 4000);
   double threshold = 1 + lines_value(&f, 2000);
   g_test_message("dense anchor: threshold %.4f", threshold);
@@ -172,7 +173,7 @@ static void test_gates(void) {
               "{ anchor: { line: 150 nm }, table: [430 nm, 150 nm, 900 nm, "
               "158 nm] }",
               "line 150 nm, pitch 900 nm");
-  /* Given values take precedence. */
+  /* Values that are given replace those of the gates. */
   check_gates(rows, 4, EDA_X,
               "{ anchor: { " GATES ", line: 130 nm, pitch: 310 nm } }",
               "{ anchor: { line: 130 nm, pitch: 310 nm } }", "poly prints");
@@ -301,7 +302,7 @@ static void test_diffusion(void) {
     g_assert_cmpfloat(fabs(lines_value(&f, x) - want), <, 2e-5);
   }
   eda_field_clear(&f);
-  /* The anchor is diffused as well. */
+  /* The image of the anchor is diffused as well. */
   g_autoptr(opc_module) anchored = prepared("{ diffusion: 25 nm }", litho);
   f = lines_print(litho, anchored, EDA_POLY, 65, 250);
   g_assert_cmpfloat(fabs(lines_width(&f) - 65), <, 0.002);
@@ -321,8 +322,9 @@ static double squares(opc_module *litho, opc_module *resist) {
   return sum;
 }
 
-/* Test that the threshold of a table minimises the sum of squares: it is
-   equally larger at thresholds on both sides. A file has the same result. */
+/* Test that the threshold of a table minimises the sum of squares: thresholds
+   on both sides at equal distances have equally larger sums. A table in a file
+   has the same result. */
 static void test_table(void) {
   g_autoptr(opc_module) litho = lines_hopkins();
   opc_test_forget();

@@ -13,7 +13,7 @@ enum { ROWS = 16 }; /* rows per task */
 /* A window along one axis: weights that sum to 1. */
 typedef struct window {
   int reach;
-  float *weight; /* 2 * reach + 1 */
+  float *weight; /* [2 * reach + 1], weights */
 } window;
 
 typedef struct work {
@@ -40,7 +40,7 @@ static void window_init(window *w, double radius, double step) {
     }
 }
 
-/* Return the end of the rows of a task. */
+/* Return the index after the last row of a task. */
 static int rows_end(const work *w, size_t block) {
   int end = (int)(block + 1) * ROWS;
   return end < w->ny ? end : w->ny;

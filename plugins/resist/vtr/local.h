@@ -12,7 +12,8 @@
 #include <eda/imaging.h>
 
 typedef struct local_settings {
-  double radius, slope_radius; /* nm; slope_radius 0: slope at the position */
+  double radius, slope_radius; /* radii R of M and S, nm; slope_radius 0: slope
+                                  at the position itself */
   double step;                 /* grid, nm */
 } local_settings;
 

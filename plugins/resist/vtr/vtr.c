@@ -4,9 +4,9 @@
    circuit manufacturing", Berkeley 1998). A feature prints where the intensity
    is below
 
-     constant + maximum * M + slope * S + product * M * S,
+   constant + maximum * M + slope * S + product * M * S,
 
-   M is the maximum of the intensity and S its slope near the position
+   where M is the maximum intensity and S the image slope near the position
    (local.h). */
 #include <eda/resist.h>
 #include <math.h>
@@ -23,7 +23,8 @@ typedef struct resist {
   resist_base base;
   local_settings local;
   double given[RESIST_SETS][RESIST_TERMS]; /* NAN: not given */
-  int last[RESIST_SETS];  /* last coefficient to fit; -1: not given */
+  int last[RESIST_SETS];  /* index of the last coefficient to fit; -1: not
+                             given */
   int fixed[RESIST_SETS]; /* 1: nothing to calibrate */
   int fit[RESIST_SETS][RESIST_TERMS];
   double coefficient[RESIST_SETS][RESIST_TERMS];

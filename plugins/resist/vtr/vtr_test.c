@@ -11,7 +11,8 @@
 static const double pitches[] = {220, 250, 320, 500, 1500};
 enum { PITCHES = 5 };
 
-/* Test that without variable terms the result is that of resist.threshold. */
+/* Test that, without variable terms, the result equals that of
+   resist.threshold. */
 static void test_constant(void) {
   g_autoptr(opc_module) litho = lines_hopkins();
   static const char *const parameters[] = {"{}", "{ diffusion: 20 nm }",
@@ -139,8 +140,8 @@ static eda_field print_shapes(opc_module *litho, opc_module *resist) {
   return field;
 }
 
-/* Return the largest distance, to first order, of contour points of one field
-   from the contour of the other. */
+/* Return the largest distance of contour points of one field from the contour
+   of the other field, to first order. */
 static double distance(const eda_field *fine, const eda_field *coarse) {
   double *points, worst = 0;
   uint32_t *start;
@@ -261,7 +262,7 @@ static void test_through_pitch(void) {
     g_assert_cmpfloat(error, <, before);
     before = error;
     if (k) continue;
-    /* The same fit by the constant threshold. */
+    /* Compare with the same fit of a constant threshold. */
     g_autofree char *same = g_strdup_printf("{ table: [%s] }", table->str);
     g_autoptr(opc_module) constant =
         lines_resist("resist.threshold", same, litho);
@@ -273,7 +274,8 @@ static void test_through_pitch(void) {
   g_string_free(table, TRUE);
 }
 
-/* Test that an anchor prints to size with any variable terms. */
+/* Test that an anchor prints to size for any coefficients of the variable
+   terms. */
 static void test_anchor(void) {
   g_autoptr(opc_module) litho = lines_hopkins();
   g_autoptr(opc_module) m = vtr(

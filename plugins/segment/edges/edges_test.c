@@ -44,11 +44,13 @@ static void test_shapes(void) {
   g_assert_cmpfloat(g->grid, ==, 2);
   eda_box want = {0, 0, 300, 150};
   g_assert_cmpmem(&g->extent, sizeof want, &want, sizeof want);
-  g_assert_cmpuint(g->drawn[EDA_POLY].count, ==, 3); /* L, ring, its hole */
+  g_assert_cmpuint(g->drawn[EDA_POLY].count, ==, 3); /* the L, the ring and the
+                                                        hole of the ring */
   g_assert_cmpuint(g->layers, ==, 1);
   g_assert_cmpstr(g->layer[0], ==, "M1");
   g_assert_cmpint(g->corrected[0], ==, 1);
-  /* 150 + 62.5 ... in steps of 2 nm: L 100 x 25 + 25 x 125, ring. */
+  /* Areas in square steps of 2 nm: the L has 100 x 25 + 25 x 125; the ring
+     follows. */
   g_assert_cmpint(eda_area2(&g->drawn[EDA_POLY]), ==,
                   2 * (100 * 25 + 25 * 125 + 100 * 100 - 50 * 50));
   const eda_edges *e = &g->edges[EDA_POLY];

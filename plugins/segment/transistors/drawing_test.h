@@ -90,7 +90,7 @@ static inline char *gates_text(const eda_gates *g) {
   return g_string_free(s, FALSE);
 }
 
-/* Return a text of the start, role and gate of each fragment. */
+/* Return a text that lists the start, role and gate of each fragment. */
 static inline char *edges_text(const eda_edges *e) {
   static const char *const roles[] = {"-", "L<", "L>", "W<", "W>", "E<", "E>"};
   GString *s = g_string_new("");
@@ -119,7 +119,8 @@ static inline void check_rebuilt(const eda_gates *g, int layer) {
                 c = f[(i + 1) % n].from;
       g_assert_true((a.x == b.x) != (a.y == b.y));
       if ((a.x == b.x) == (b.x == c.x)) {
-        /* A fragment boundary is on the segment between two corners. */
+        /* The boundary of two fragments is on the segment between two
+           corners. */
         g_assert_true((b.x > a.x) == (c.x > b.x) && (b.x < a.x) == (c.x < b.x));
         g_assert_true((b.y > a.y) == (c.y > b.y) && (b.y < a.y) == (c.y < b.y));
         continue;
@@ -132,8 +133,8 @@ static inline void check_rebuilt(const eda_gates *g, int layer) {
   }
 }
 
-/* Assert that every gate owns its sides, one covering fragment each, and its
-   line ends if any. */
+/* Assert that every gate owns its sides, each with one fragment that covers the
+   side, and owns its line ends, if any. */
 static inline void check_owned(const eda_gates *g) {
   g_autofree uint8_t *seen = g_new0(uint8_t, g->count);
   for (int layer = 0; layer < 2; layer++)

@@ -82,8 +82,8 @@ static void write_note(drawing *d, int32_t x, int32_t y, const char *text) {
                   ==, OPC_OK);
 }
 
-/* Return a layout of an inverter with a note on its n-transistor: as drawn,
-   rotated, mirrored, and four times in an array. */
+/* Return a layout of an inverter with a note on its n-transistor. The layout
+   has the inverter as drawn, rotated, mirrored, and four times in an array.. */
 static drawing noted(drawing *inverter) {
   static const eda_placement places[] = {
       {{1000, 0}, 1, 0, 0, 1, 1, {0, 0}, {0, 0}},
@@ -110,8 +110,8 @@ static drawing noted(drawing *inverter) {
 
 static void test_notes(void) {
   drawing inverter, d = noted(&inverter);
-  /* A note of one instance at the far corner of the gate; one without a value;
-     a p-transistor; a repeated note. */
+  /* Write a note for one instance at the far corner of the gate, a note without
+     a value, a note on a p-transistor, and a repeated note. */
   write_note(&d, 1165, 100, "ion=1.05");
   write_note(&d, 5101, 1, "");
   write_note(&d, 1130, 500, "ion=0.9");
@@ -134,7 +134,7 @@ static void test_notes(void) {
   opc_test_release(r.module, &r.gates);
   opc_test_module_free(r.module);
 
-  /* 1 nm outside of the gate, in every instance. */
+  /* This note is 1 nm outside of the gate in every instance. */
   write_note(&inverter, 166, 50, "lost");
   opc_test_forget();
   r = layout_segment(d.layout, "{ top: TOP }");

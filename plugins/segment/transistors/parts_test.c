@@ -16,11 +16,11 @@ static int32_t by_lot(int32_t low, int32_t high) {
   return low + (int32_t)((state >> 8) % (uint32_t)(high - low + 1));
 }
 
-/* A line from -before to the end. The actives begin at 0, at a distance of
-   `gap` from each other. */
+/* A line that starts at -before. The first active begins at 0; the second
+   begins `gap` after the end of the first. */
 typedef struct drawing {
-  int32_t before, past, width[2], gap, beside[2]; /* of the line, inside the
-                                                     active */
+  int32_t before, past, width[2], gap, beside[2]; /* width of the line inside
+                                                     the active */
   int32_t overhang, line_end, end;
   int turned; /* 1: the line is along x */
 } drawing;

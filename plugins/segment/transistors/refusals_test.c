@@ -150,7 +150,7 @@ static void test_refused(void) {
 }
 
 static void test_refused_shapes(void) {
-  /* A ring of poly on active; a slanted edge. */
+  /* Test a ring of poly on active, and a slanted edge. */
   drawing d = drawing_new();
   drawing_box(&d, "active", 0, 0, 500, 500);
   drawing_box(&d, "poly", 100, 100, 400, 150);

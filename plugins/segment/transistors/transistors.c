@@ -12,8 +12,9 @@ typedef struct transistors {
   const opc_host *host;
   const eda_layout *layout;
   const char *top;
-  opc_map also;     /* name -> layer of the layout */
-  opc_map flavours; /* name -> marker layers */
+  opc_map also;     /* maps the name of a further layer to the layer of the
+                       layout */
+  opc_map flavours; /* maps the name of a flavour to its marker layers */
   double grid, overhang, line_end;
 } transistors;
 

@@ -10,7 +10,8 @@ static void test_vertical(void) {
   segment_is(&d, "{}", "nx 150,0 65x200 space 300 370 ends 100 100\n",
              "150,-100 E<0; 215,-100 L>0; 215,300 E>0; 150,300 L<0\n",
              "0,0 W<0; 400,0 -; 400,200 W>0; 0,200 -\n");
-  /* A line end further away than `line_end` belongs to no transistor. */
+  /* A line end further from the active than `line_end` belongs to no
+     transistor. */
   d = drawing_new();
   draw_single(&d);
   segment_is(&d, "{ line_end: 99 nm }",
@@ -18,7 +19,8 @@ static void test_vertical(void) {
              "150,-100 -; 215,-100 -; 215,-84 L>0; 215,284 -; 215,300 -; "
              "150,300 -; 150,284 L<0; 150,-84 -\n",
              "0,0 W<0; 400,0 -; 400,200 W>0; 0,200 -\n");
-  /* Test a grid of 5 nm, and an overhang that exceeds that of the line. */
+  /* Test a grid of 5 nm, and an overhang that is longer than the line beyond
+     the active. */
   d = drawing_new();
   draw_single(&d);
   segment_is(&d, "{ line_end: 0 nm, overhang: 200 nm, grid: 5 nm }",
@@ -74,7 +76,8 @@ static void test_horizontal(void) {
 }
 
 /* Test figure 3.2 of the thesis: an upper and a lower transistor on each poly
-   line, three on each diffusion; the left two lines extend far beyond. */
+   line, with three transistors on each diffusion; the left two lines extend far
+   beyond. */
 static void test_figure(void) {
   drawing d = drawing_new();
   drawing_box(&d, "active", 0, 0, 900, 100);
@@ -120,8 +123,8 @@ static void test_shared_poly(void) {
              "-100,51 W<1; 200,51 -; 200,150 W>1; -100,150 -\n");
 }
 
-/* Test that a near line end beyond another gate does not belong to the
-   transistor. */
+/* Test that a line end within `line_end` but beyond another gate does not
+   belong to the transistor. */
 static void test_near_end(void) {
   drawing d = drawing_new();
   drawing_box(&d, "active", -100, 0, 200, 100);
@@ -157,9 +160,9 @@ static void test_turning_poly(void) {
       "0,0 W<0; 400,0 -; 400,200 W>0; 0,200 -\n");
 }
 
-/* Test an active with a jog at the end of the poly: its edge belongs to the
-   gate up to the jog. A word line crosses the same active in the other
-   direction. */
+/* Test an active with a jog at the end of the poly: the edge of the active
+   belongs to the gate up to the jog. A word line crosses the same active in the
+   other direction. */
 static void test_bent_active(void) {
   drawing d = drawing_new();
   drawing_box(&d, "active", 0, 0, 300, 200);
@@ -197,8 +200,9 @@ static void test_instances(void) {
   g_assert_cmpint(eda_layout_add_instance(d.layout, d.cell, inverter.cell, &p,
                                           "X2", &error),
                   ==, OPC_OK);
-  /* The top cell's own poly over the active of X1; its active touches that of
-     X1 and covers one of X2, where it comes first. */
+  /* The top cell draws poly over the active of X1. Its own active touches the
+     active of X1 and covers an active of X2, where the active of the top cell
+     comes first. */
   drawing_box(&d, "active", -100, 1000, 0, 1300);
   drawing_box(&d, "poly", 1230, -100, 1270, 200);
   drawing_box(&d, "active", 1300, 0, 1500, 100);
