@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Kill one or all of four ranks of a flow at random moments, and continue the flow
 with another number of ranks. The result must be bit-identical to that of one
-process. KILLS: how many; KILL_FLOW: the words behind `opcflow run`."""
+process. KILLS: number of kills; KILL_FLOW: the arguments of `opcflow run`."""
 import glob
 import json
 import os
@@ -39,12 +39,13 @@ def result():
 
 def run(ranks):
     done = subprocess.run(command(ranks), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    assert done.returncode in (0, 1), done.stderr  # 1: a limit was not kept
+    assert done.returncode in (0, 1), done.stderr  # 1: a requirement is violated
     return result()
 
 
 def kill(dice, seconds, all_of_them):
-    """Start it, and kill after a while; how many pieces are kept then."""
+    """Start the flow with four ranks, kill one or all ranks after a random time, and return the
+    number of work units in the store."""
     process = subprocess.Popen(command(4), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     time.sleep(dice.uniform(0.1, 1) * seconds)
     ranks = []
@@ -77,13 +78,13 @@ def main():
         middle += kept > 0
         differs += run(dice.choice((0, 2, 4))) != truth
         differs += any(name.startswith(".") for name in os.listdir("."))
-    print("%d kills, %d with pieces kept, %d differ" % (KILLS, middle, differs))
+    print("%d kills, %d with work units in the store, %d results differ" % (KILLS, middle, differs))
     return [{"name": "kills.differ", "value": differs, "unit": "", "reach": 0, "better": "lower"},
             {"name": "kills.resumed", "value": middle, "unit": "", "reach": None, "better": "higher"}]
 
 
 if not shutil.which("mpirun"):
-    print("there is no mpirun: nothing is killed")
+    print("skipped: mpirun is missing")
     sys.exit(0)
 home = os.environ["OPCFLOW_BENCH"]
 with tempfile.TemporaryDirectory() as folder:

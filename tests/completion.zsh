@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# What zsh offers, and makes of a line, when somebody presses Tab behind it: a
-# shell at a terminal of its own, in this folder. Lines on standard input; for
-# each one, what it becomes, '|', and the offers in order. OPCFLOW_SOURCE is where
-# the completion is, OPCFLOW_BUILD the command.
+# Complete command lines by zsh, which runs on a pseudo-terminal in the current folder. Reads lines
+# from standard input and presses Tab at the end of each line. Prints the completed line, '|', and
+# the sorted candidates. OPCFLOW_SOURCE: folder of the sources, with the completion; OPCFLOW_BUILD:
+# folder of the command.
 zmodload zsh/zpty zsh/zselect
 here=$PWD/.zsh-completion
 mkdir -p $here
@@ -26,7 +26,8 @@ bindkey '^I' complete-word
 LISTMAX=100000
 print ready > ${(q)here}/line
 " > $here/rc
-# For ten seconds, and keep the terminal from filling up.
+# Wait for at most ten seconds. Output of the shell is discarded, because a full terminal buffer
+# would block the shell.
 wait_for_line() {
   local -i n
   local junk
@@ -35,7 +36,7 @@ wait_for_line() {
     [[ -s $here/line ]] && return
     zselect -t 1
   done
-  print "zsh does not answer"
+  print "no answer of zsh within 10 s"
   exit 1
 }
 zpty shell "TERM=dumb zsh -f -i"

@@ -21,7 +21,7 @@ OPCFLOW = os.path.join(os.environ["OPCFLOW_BUILD"], "opcflow")
 
 
 def blocks(path):
-    """(line, mark, text) of each fenced block, and of indented ones of flows."""
+    """Yield (line, mark, text) of each fenced block and of each indented flow."""
     with open(path) as f:
         lines = f.read().split("\n")
     i = 0
@@ -39,11 +39,11 @@ def blocks(path):
 
 
 def room():
-    """Make a folder in which flows find their files as from the top of the tree."""
+    """Make a folder in which file names of flows are valid as in the source folder."""
     folder = tempfile.mkdtemp(prefix="opcflow-documents-")
     for name in ("flows", "data"):
         os.symlink(os.path.join(ROOT, name), os.path.join(folder, name))
-    # Ready flows name their files from flows/; so do flows that are like them.
+    # Shipped flows, and flows of documents that are similar, name files relative to flows/.
     os.mkdir(os.path.join(folder, "here"))
     for flow in glob.glob(os.path.join(ROOT, "flows", "*.yaml")):
         os.symlink(flow, os.path.join(folder, "here", os.path.basename(flow)))
@@ -75,7 +75,7 @@ def check_flow(text, expected):
 
 
 def like(expected, said):
-    """The first line of `expected` that `said` does not have, in this order."""
+    """Return the first line of `expected` that `said` lacks, in this order; None: all lines exist."""
     rest = said.split("\n")
     for line in filter(None, expected.split("\n")):
         if line.strip() == "...":
@@ -169,7 +169,7 @@ def try_tutorial(report, path):
             if mark == "sh":
                 answer = ask(["sh", "-ec", text], folder, env=env)
                 said = answer.stdout
-                # A command whose failure is shown says so: `|| echo "exit code $?"`.
+                # A command that is expected to fail ends in `|| echo "exit code $?"`.
                 fault = answer.returncode and "exit code %d\n%s" % (answer.returncode, said)
             elif mark == "text":
                 missing = like(text, said)

@@ -3,15 +3,15 @@
 # Install this build into a separate folder and move the installation. Build,
 # test and install the project subprojects/examples against the installation,
 # through pkg-config alone. Then run a flow with the installed plugins.
-# OPCFLOW_SOURCE, OPCFLOW_BUILD: the trees; $1: meson; $2: its value of
-# b_sanitize.
+# OPCFLOW_SOURCE, OPCFLOW_BUILD: source and build folder; $1: command meson; $2:
+# value of the option b_sanitize.
 set -eu
 meson=$1
 sanitize=$2
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 unset LD_LIBRARY_PATH OPCFLOW_PLUGIN_PATH XDG_DATA_HOME DESTDIR PKG_CONFIG_LIBDIR || true
-# Nothing of an installed opcflow, and nothing of the user's.
+# Use no files of another installation or of the user.
 export HOME="$work/home" XDG_DATA_HOME="$work/home/data"
 
 fail() {
@@ -37,14 +37,15 @@ opcflow=$(pkg-config --variable=command opcflow)
 [ "$(realpath "$opcflow")" = "$(realpath "$work/moved/bin/opcflow")" ] ||
   fail "pkg-config says that the command is $opcflow"
 
-# The moved command finds the plugins that moved with it, and they the library.
+# The moved command must find the moved plugins, and the plugins the moved
+# library.
 unset OPCFLOW_NO_SYSTEM_PLUGINS
 "$opcflow" inspect synthesizer.dpb | grep -q "^$work/moved/" ||
   fail "$opcflow does not find its own plugins"
 [ -z "$("$opcflow" plugins --failed)" ] || fail "$("$opcflow" plugins --failed)"
 
-# The installed documents and examples. A line of the README builds one plugin
-# without meson.
+# Test the installed documents and examples. A command in the README builds one
+# plugin without meson.
 documents=$(find "$work/moved" -type d -path '*/doc/opcflow')
 [ -f "$documents/guides/plugin.md" ] || fail "the plugin guide is not installed"
 cp -r "$documents/examples" "$work/project"
@@ -61,7 +62,7 @@ try env OPCFLOW_NO_SYSTEM_PLUGINS=1 "$meson" test -C "$work/build" --no-rebuild
 [ "$(grep -c ' OK ' "$work/log")" = 4 ] || { cat "$work/log"; fail "not 4 tests"; }
 try "$meson" install -C "$work/build" --no-rebuild
 
-# From the private folder, without the build.
+# Use the plugins in the private folder, not those of the build.
 mv "$work/build" "$work/gone"
 export OPCFLOW_PLUGIN_PATH="$work/private/plugins"
 try "$work/project/run.sh" "$opcflow" "$work/project/flow.yaml" "$work/run"
@@ -71,7 +72,7 @@ grep -q "$work/private/plugins/synthesizer.bisect.so" "$work/run/manifest.json" 
 "$opcflow" help | grep -q '^  metrics .*side by side' ||
   fail "the verb of command.metrics is not listed"
 
-# A plugin of the kind that the project has brought.
+# Create a plugin of the kind that the project defines.
 "$opcflow" new plugin timing.mine "$work/mine" >&2
 try env PKG_CONFIG_PATH="$PKG_CONFIG_PATH" CFLAGS="-I$work/private/include" \
   "$meson" setup "$work/built" "$work/mine" -Db_sanitize="$sanitize" -Db_lundef=false

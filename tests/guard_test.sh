@@ -1,16 +1,16 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Messages of `correct` about faults, and the promise of the guard, read from the tables of runs of each method.
-# No transistor deviates by more than drawn and by more than the limit, or its row names a rule or a neighbour.
-# Without the guard, some transistors do. Accurate simulation of the drawn mask determines Ion to a tenth of the
-# limit, 0.05 %.
+# Test messages of `correct` about faults, and the guard, by the tables of runs of each method. If a
+# transistor deviates by more than drawn and by more than the limit, its row must name a rule or a
+# neighbour as the reason. Without the guard, some transistors are worse without a reason. Accurate
+# simulation of the drawn mask determines Ion to a tenth of the limit, 0.05 %.
 set -u
 opcflow=$OPCFLOW_BUILD/opcflow
 cells=$OPCFLOW_SOURCE/data/cells65
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 
-# correct METHOD CELL.gds|.cif [--set ...]: its transistors in gates.csv
+# correct METHOD LAYOUT [--set ...]: correct a layout; gates.csv lists the transistors
 correct() {
   local method=$1 layout=$2
   shift 2
@@ -19,7 +19,8 @@ correct() {
   [ $? -le 1 ] || { sed 's/^/# /' "$work/said"; return 1; }
 }
 
-# How many transistors are worse, and how many of them have no reason.
+# Print the number of worse transistors, the number of these without a reason, and the number of all
+# transistors.
 count() {
   awk -F, '
     NR == 1 { for (i = 1; i <= NF; i++) { sub(/ .*/, "", $i); at[$i] = i }; next }
@@ -30,7 +31,7 @@ count() {
       if (was < 0.5) was = 0.5
       if (!lost && (was == "" || is <= was + 0.0515)) next
       worse++
-      # The verdict has a comma in it and is quoted.
+      # The verdict contains a comma and is therefore in quotes.
       if (lost || $0 !~ /"(rule: |neighbour )[^"]*at \(/) unnamed++ }
     END { print worse + 0, unnamed + 0, NR - 1 }' "$work/run/gates.csv"
 }
@@ -53,7 +54,7 @@ for method in pb dpb ic epe newton; do
     echo "# $method: $worse of $all worse than drawn, $unnamed of them without a reason"
     [ "$all" -ge 100 ] && [ "$unnamed" = 0 ] || result=1
   done
-  report $result "$method holds to the drawn mask"
+  report $result "with $method, each worse transistor has a reason"
 done
 
 correct ic "$sram" --set mask.guard=off
@@ -62,7 +63,7 @@ read -r worse unnamed all < <(count)
   grep -q "guard: off: $worse transistors are worse than drawn" "$work/said"
 report $? "without the guard some are worse, and a message reports them ($worse of $all)"
 
-# says TEXT NAME: the run before said that.
+# says TEXT NAME: test that the last run printed TEXT.
 says() {
   grep -q "$1" "$work/said"
   report $? "$2"
@@ -77,6 +78,6 @@ correct newton "$small"
 says 'are drawn with lengths (42.9 to 42.9 nm) beyond the device table (44 to 120 nm): check the .scale. of the layout' \
   'a missing scale is reported'
 says '^finding: mask: no transistor of the drawn mask prints: check the .scale. of the layout' \
-  'so it is when nothing prints as drawn'
+  'a layout that does not print as drawn is reported'
 says "^finding: mask: results of [0-9]* of 192 transistors are extrapolated beyond the device table" \
-  'and figures that are none'
+  'figures from outside the device table are reported'

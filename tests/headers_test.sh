@@ -1,14 +1,15 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Compile each public header alone and included twice, with only its folder, base.h and
-# cairo on the include path. As C99 without extensions and, if a compiler exists, as C++. TAP.
-# OPCFLOW_SOURCE: the tree; $@: the C compiler.
+# Compile each public header alone, included twice, as C99 without extensions and, if a C++ compiler
+# exists, as C++. The include path has only the folder of the header, base.h and cairo. Output: TAP.
+# OPCFLOW_SOURCE: source folder; $@: C compiler.
 strict="-fsyntax-only -pedantic-errors -Wall -Wextra -Wundef -Werror"
 cxx=${CXX:-$(command -v c++ || command -v g++ || command -v clang++)}
 cairo=$(pkg-config --cflags-only-I cairo 2>/dev/null | sed 's/-I/-isystem /g')
 number=0
 
-# NAME SKIP COMMAND...: compile a file that includes the header twice.
+# check NAME SKIP COMMAND...: compile a file that includes the header twice; SKIP is the reason to
+# skip the test.
 check() {
   name=$1
   reason=$2

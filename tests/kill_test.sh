@@ -1,8 +1,8 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Kills runs that replace an earlier one, at random moments: the run folder is
-# always that of one run, whole, and the next run leaves nothing hidden. More
-# kills, of a larger flow:
+# Kill runs that replace an earlier run, at random moments. The run folder must
+# always be the complete folder of one of the runs, and the next run must remove
+# all hidden folders. More kills, of a larger flow:
 #   KILLS=100 KILL_FLOW='flows/newton.yaml --set ...' tests/kill_test.sh
 set -u
 kills=${KILLS:-12}
@@ -23,7 +23,7 @@ if [ -z "${KILL_FLOW:-}" ]; then
   KILL_FLOW=small.yaml
 fi
 
-# Which run the folder is of; nothing if it is not whole.
+# Print the start time of the run that wrote the folder; fail if the folder is incomplete.
 whole() {
   python3 - "$1" <<'PY'
 import hashlib, json, os, sys
@@ -46,7 +46,7 @@ run() { "$opcflow" run $KILL_FLOW --output out/x --force --quiet; }
 now() { date +%s%N; }
 fail() { echo "not ok - $*"; exit 1; }
 
-# The first run, and how long one takes that replaces it.
+# Run once, then measure the time of a run that replaces the first one.
 run >log 2>&1 || fail "the flow does not run: $(cat log)"
 start=$(now)
 run >log 2>&1 || fail "an earlier run is not replaced: $(cat log)"
@@ -54,12 +54,13 @@ micros=$((($(now) - start) / 1000))
 last=$(whole out/x) || fail "the first run is not whole"
 
 lost=0 mixed=0 hidden=0 replaced=0 left=0
-# Where starting and ending take longer than the work in between, the moment has
-# to be tried for.
+# If start and end of a run take longer than the work in between, most kills miss the work.
+# Therefore try until one kill hits.
 for ((i = 1; i <= kills || (left == 0 && i <= 10 * kills); i++)); do
   signal=KILL
   ((i % 2)) && signal=TERM
-  # To a tenth beyond the end; every third near it, where folders change places.
+  # Kill at up to 1.1 times the run time; every third kill is near the end, when folders are
+  # exchanged.
   span=$((micros * 11 / 10)) from=0
   ((i % 3)) || { from=$((micros * 7 / 10)); span=$((micros * 4 / 10)); }
   wait=$((from + (RANDOM * 32768 + RANDOM) % span))
@@ -74,7 +75,7 @@ for ((i = 1; i <= kills || (left == 0 && i <= 10 * kills); i++)); do
     [ "$its" = "$last" ] || replaced=$((replaced + 1))
     last=$its
   fi
-  rm -rf out/x.failed* # kept, in the open, of what does not heed SIGTERM
+  rm -rf out/x.failed* # visible folder of a run that did not stop after SIGTERM
   [ "$(ls -A out)" = x ] || left=$((left + 1))
   # The next run, which is not killed, must remove all hidden folders.
   if ((i % 4 == 0 || i == kills)); then
@@ -85,9 +86,9 @@ for ((i = 1; i <= kills || (left == 0 && i <= 10 * kills); i++)); do
   fi
 done
 echo "# $kills kills, run of $micros us: $replaced had replaced the earlier run," \
-  "$left left something hidden for the next one"
+  "$left left hidden folders for the next run"
 echo "# lost $lost, mixed $mixed, left hidden after the next run $hidden"
 echo 1..1
-((lost + mixed + hidden == 0)) || fail "a kill was not survived"
-((left > 0)) || fail "no kill came in the middle: nothing was tried"
+((lost + mixed + hidden == 0)) || fail "a killed run left no folder, a mixed folder or hidden folders"
+((left > 0)) || fail "no kill hit a run during the work: nothing was tested"
 echo "ok 1 - killed runs"

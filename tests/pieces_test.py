@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Work units in one process: results against the same sums computed here, and the
-units reused after faults, kills and damage. PIECES_KILLS: number of kills."""
+"""Test work units in one process: results are compared with sums computed here, and stored units
+are reused after faults, kills and damage. PIECES_KILLS: number of kills."""
 import glob
 import json
 import os
@@ -27,7 +27,7 @@ number = 0
 
 
 def truth(count=12, size=3, add=1.0):
-    """The metric b.sum, and the table of the second list."""
+    """Return the metric b.sum, and the table of the second list."""
     total = 0.0
     for which in range(2):
         if which:
@@ -84,7 +84,7 @@ def fresh():
 
 
 ALL = [(w, i) for w in ("first", "second") for i in range(12)]
-UNKEPT = [9]  # of each list: it has no key
+UNKEPT = [9]  # units of each list that have no key
 
 
 # ---- results ----
@@ -96,12 +96,12 @@ def test_truth():
     folder, _, done = run()
     check(folder)
     assert done == ALL
-    assert not pieces()  # the step's result is kept
+    assert not pieces()  # the result of the step replaces those of the units
     folder, _, done = run()
     check(folder)
     assert done == []
     fresh()
-    folder, _, done = run("b.kept=false")  # nothing has a key
+    folder, _, done = run("b.kept=false")  # no unit has a key
     check(folder)
     assert done == ALL and not pieces()
 
@@ -114,7 +114,7 @@ def test_sizes():
 
 
 def test_alone():
-    """In a test's host, and in a piece, there is neither store nor run."""
+    """Test work units in a unit test and in another work unit: results are neither stored nor distributed."""
     said = call("lint", "--strict", os.path.join(BUILD, "tests", "test.alone.so"), code=None)
     assert "the same work again" in said.stderr.split("not checked")[0], said.stderr
     assert said.stdout == "", said.stdout
@@ -146,7 +146,7 @@ def test_said():
     assert said.stderr.count("warning: " + text) == 1 and said.stderr.count("finding: " + text) == 1, said.stderr
     fresh()
     process = start("b.fault=warn", "b.at=1", "b.wait=50")
-    while len(pieces()) < 11 + 4:  # of the second list, the second one among them
+    while len(pieces()) < 11 + 4:  # until the second list has 4 results, including unit 1
         assert process.poll() is None
         time.sleep(0.002)
     process.kill()
@@ -176,7 +176,7 @@ def test_kills():
         kept = len(pieces())
         folder, _, done = run()
         check(folder)
-        assert len(done) in (24 - kept, 0), (kept, done)  # 0: it had ended
+        assert len(done) in (24 - kept, 0), (kept, done)  # 0: the run had ended before the kill
 
 
 def test_damage():
@@ -200,7 +200,7 @@ def test_damage():
 
 
 def test_limits():
-    """A store that is too small, or none, keeps nothing, and nothing depends on it."""
+    """Test that a too small or missing store does not change the results."""
     for more in ({"OPCFLOW_STORE_LIMIT": "100 B"}, {"store": ""}):
         _, _, _ = run("b.fault=work", code=4, **more)
         folder, _, done = run(**more)

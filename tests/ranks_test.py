@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""A flow that several processes run together, by mpirun: the same bits as from one
-process and as sums computed here, whatever fails, is killed or damaged.
-RANKS_KILLS: number of kills; RANKS_SEED."""
+"""Test a flow that several processes run together, by mpirun. The results must be bit-identical
+to those of one process and to sums computed here, also after failures, kills and damage.
+RANKS_KILLS: number of kills; RANKS_SEED: seed of the random moments."""
 import concurrent.futures
 import glob
 import json
@@ -31,14 +31,14 @@ steps:
   d: { use: test.pieces, add: "${b}", count: 5 }
 """
 ENV = dict(os.environ, OPCFLOW_PLUGIN_PATH=os.path.join(BUILD, "tests"), OMPI_ALLOW_RUN_AS_ROOT="1",
-           # MPI never frees its memory at the end.
+           # MPI does not free its memory at the end.
            ASAN_OPTIONS=os.environ.get("ASAN_OPTIONS", "") + ":detect_leaks=0",
            OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_btl_vader_single_copy_mechanism="none")
 ALL = sorted((w, i) for w in ("first", "second") for i in range(12))
 
 
 class Place:
-    """A folder with a flow, a store and runs."""
+    """A temporary folder with a flow, a store and runs."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -70,7 +70,7 @@ class Place:
         return self.path("runs/%d" % self.number), process, self.done()
 
     def done(self):
-        """List, number, process."""
+        """Return (list, number, process) of each computed work unit."""
         with open(self.path("journal")) as f:
             return [(w, int(i), pid) for w, i, pid in (line.split() for line in f)]
 
@@ -102,19 +102,19 @@ def names(done):
 def test_same(place):
     alone = place.run(0, options=["--no-cache"])[0]
     for n in (1, 2, 4):
-        folder, said, done = place.run(n, "b.wait=50", options=["--no-cache", "--log", "info"])  # long enough that none comes too late
+        folder, said, done = place.run(n, "b.wait=50", options=["--no-cache", "--log", "info"])  # long enough for all processes to start
         check(folder)
         assert names(done) == ALL and len({pid for _, _, pid in done}) == n, done
         assert said.out.count("runs/") == 1 and said.err.count("c: ran") == 1, (said.out, said.err)
         for name in ("pieces.csv", "d.pieces.csv", "c.txt", "metrics.json"):
             with open(os.path.join(alone, name), "rb") as a, open(os.path.join(folder, name), "rb") as b:
                 assert a.read() == b.read(), name
-    assert done[0][1] % 3 == 2  # the dearest came first
+    assert done[0][1] % 3 == 2  # the most expensive unit was first
     assert os.listdir(place.path("tmp")) == []
 
 
 def test_chip(place):
-    """Windows of a chip: tables, figures, and results of each window."""
+    """Test the windows of a chip: tables, figures, and stored results of each window."""
     env = dict(place.env, OPCFLOW_PLUGIN_PATH=os.path.join(BUILD, "plugins"))
     flow = os.path.join(os.environ["OPCFLOW_SOURCE"], "flows/chip.yaml")
     found = []
@@ -139,7 +139,7 @@ def test_sizes(place):
 
 
 def test_said(place):
-    """Once, whoever did the piece."""
+    """Test that a message of a work unit is printed once, for any process that computed the unit."""
     for n in (1, 3):
         _, said, _ = place.run(n, "b.fault=warn", "b.at=1", options=["--no-cache", "--log", "debug"])
         assert said.err.count("warning: b: piece 1 is odd") == said.err.count("finding: b: piece 1 is odd") == 1, said.err
@@ -147,8 +147,8 @@ def test_said(place):
 
 
 def test_again(place):
-    """One process reuses results kept by several, and the reverse; lost outputs are
-    written again."""
+    """Test that one process reuses results stored by several processes, and vice versa. Lost outputs
+    are computed again."""
     place.run(2)
     assert not place.pieces()
     folder, said, done = place.run(0)
@@ -161,7 +161,7 @@ def test_again(place):
         os.unlink(path)
     folder, said, done = place.run(2, "d.count=7")
     assert names(done) == ALL
-    folder, said, done = place.run(2, "c.number=5", options=["--log", "info"])  # which the first rank does
+    folder, said, done = place.run(2, "c.number=5", options=["--log", "info"])  # the first rank runs this step
     assert folder and "c: ran" in said.err
 
 
@@ -184,7 +184,7 @@ def test_faults(place):
         assert failed.err.count(text) == 1 and failed.err.count("test.pieces") <= 3, failed.err  # and "stopped"
         kept = len(place.pieces())
         assert kept >= 11 or fault == "rank", kept
-        if fault == "crash":  # the first rank may not be left the time to tidy up
+        if fault == "crash":  # the first rank may be ended before it removes its files
             place.number -= 1
         else:
             assert not place.hidden(), (fault, place.hidden())
@@ -197,7 +197,7 @@ def test_faults(place):
 
 
 def test_others(place):
-    """Ranks that do not do the same, and a build that cannot meet."""
+    """Test ranks that run different flows, and a build without MPI."""
     place.write("other.yaml", FLOW.replace("JOURNAL", place.path("journal")).replace("number: 3", "number: 4"))
     done = subprocess.run([MPIRUN, "--oversubscribe", "-n", "1", OPCFLOW, "run", "shared.yaml", ":", "-n", "1", OPCFLOW,
                            "run", "other.yaml"], cwd=place.folder, env=place.env, stderr=subprocess.PIPE, text=True)
@@ -214,7 +214,7 @@ def test_others(place):
 
 
 def test_job(place):
-    """The job for Slurm, by bash with the variables that Slurm sets; by Slurm where available."""
+    """Test the job script for Slurm by bash with Slurm's variables and, if available, by Slurm."""
     job = os.path.join(os.environ["OPCFLOW_SOURCE"], "data/opcflow.sbatch")
     n = "2" if os.cpu_count() > 1 else "1"
     env = dict(place.env, SLURM_NTASKS=n, SLURM_CPUS_PER_TASK="1", SLURM_SUBMIT_DIR=place.folder,
@@ -251,7 +251,7 @@ def test_damage(place):
 
 
 def ranks_of(process):
-    """Process ids of the ranks; none before they are there."""
+    """Return the process ids of the ranks; an empty list before the ranks have started."""
     try:
         with open("/proc/%d/task/%d/children" % (process.pid, process.pid)) as f:
             return [int(pid) for pid in f.read().split()]
@@ -300,11 +300,11 @@ def attempt(name, test):
 
 def main():
     if not MPIRUN:
-        print("1..0 # SKIP there is no mpirun")
+        print("1..0 # SKIP mpirun is missing")
         return 0
     tests = [(n, f) for n, f in globals().items() if n.startswith("test_") and n[5:].startswith(tuple(sys.argv[1:]) or "")]
     print("1..%d" % len(tests))
-    with concurrent.futures.ThreadPoolExecutor(4) as pool:  # they wait most of the time
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:  # the ranks wait most of the time
         results = list(pool.map(lambda t: attempt(*t), tests))
     print("\n".join(results))
     return any("not ok" in r for r in results)

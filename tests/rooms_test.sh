@@ -1,16 +1,16 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Check the layers of the tree: which folder may include from which, and that
-# the kernel has no terms of its applications.
+# Check the structure of the tree: which folders may include headers of which
+# folders, and that the kernel contains no terms of the domain.
 # rooms_test.sh [COMPILER...]
-# OPCFLOW_SOURCE: the tree; default: the folder above this script.
+# OPCFLOW_SOURCE: source folder (default: the folder above this script).
 set -u
 cd "${OPCFLOW_SOURCE:-$(dirname "$0")/..}" || exit 99
 [ $# -gt 0 ] || set -- "${CC:-cc}"
 failed=0
 number=0
 
-# check NAME FUNCTION [WORD...]: the function prints the faults.
+# check NAME FUNCTION [WORD...]: run a check. FUNCTION prints a line for each fault.
 check() {
   name=$1
   shift
@@ -25,8 +25,8 @@ check() {
   fi
 }
 
-# Includes of all files below the folders given: "FROM/FILE included", the
-# second as the path that is meant where it begins with a dot.
+# Print all includes of the files in the given folders, as "FROM/FILE INCLUDED". An INCLUDED path
+# that begins with a dot is resolved.
 includes() {
   find "$@" -name '*.[ch]' | sort | xargs grep -HE '^ *# *include *"' |
     sed 's/^\([^:]*\): *# *include *"\([^"]*\)".*/\1 \2/' |
@@ -36,11 +36,11 @@ includes() {
     done
 }
 
-# Comments aside; texts count. The word stands for the longer ones it begins.
+# Search domain words in code and texts, without comments. Each word also matches longer words.
 domain_words() {
   echo | "$@" -E - >/dev/null || echo "no compiler: $*"
   find core tools/devel include -name '*.[ch]' ! -name '*_test.c' | sort | while read -r file; do
-    # POSIX has words of its own.
+    # Names of POSIX that contain a domain word are excepted.
     "$@" -fpreprocessed -dD -E -P "$file" 2>/dev/null |
       sed -E 's/umask|sigmask|SETMASK//g' |
       grep -inE 'gate|transistor|mask|litho|resist|layout|poly' |
@@ -58,8 +58,8 @@ kernel_order() {
       else if ($1 !~ /_test\.c$/ && rank[to[2]] > rank[from[2]]) print }'
 }
 
-# Files of the kernel that call each other in a circle, by the symbols of the
-# build: no more than four may.
+# Find cycles of calls among files of the kernel, by the symbols of the build. At most four files
+# may form a cycle.
 file_circles() {
   find "${OPCFLOW_BUILD:-build}/core" "${OPCFLOW_BUILD:-build}/opcflow.p" -name '*.c.o' ! -name '*_test.c.o' | sort |
     while read -r object; do
@@ -93,13 +93,13 @@ file_circles() {
       }'
 }
 
-# The kernel stays small. Lower the number with the kernel.
+# Check the size of the kernel. Lower the limit when the kernel becomes smaller.
 kernel_size() {
   find core -name '*.[ch]' ! -name '*_test.[ch]' -exec cat {} + | wc -l |
     awk -v most=10000 '$1 > most { print "core has " $1 " lines of .c and .h, more than " most }'
 }
 
-# Private headers are named from the top of the library.
+# Includes of private headers give the path from the top of the library.
 library_circles() {
   includes subprojects/eda | awk '
     { sub("subprojects/eda/", "", $1)
@@ -132,14 +132,14 @@ families() {
     xargs grep -nE '^ *# *include *<(core|plugins)/'
 }
 
-# The guard knows nobody; the ranks know result codes and errors.
+# The guard includes no header of other folders; the ranks include only result codes and errors.
 guard_alone() {
   find subprojects/guard subprojects/ranks -name '*.[ch]' | sort |
     xargs grep -nE '^ *# *include *["<](core|eda|opcflow|plugins|tools)/' |
     grep -v '^subprojects/ranks/.*<opcflow/base\.h>$'
 }
 
-# The store knows result codes and errors.
+# The store includes only result codes and errors.
 store_alone() {
   find subprojects/store -name '*.[ch]' | sort |
     xargs grep -nE '^ *# *include *["<](core|eda|opcflow|plugins|tools)/' |
@@ -155,7 +155,7 @@ ids() {
     done
 }
 
-# Files of more lines than one can keep in view.
+# Files with too many lines.
 long_files() {
   find core include subprojects plugins tests tools -type f |
     grep -E '\.(c|h|py|sh|inc)$' | sort | xargs wc -l |
@@ -207,17 +207,17 @@ base_alone() {
 
 echo "1..14"
 check "the kernel has no domain word" domain_words "$@"
-check "folders of the kernel include one way only" kernel_order
-check "at most four files of the kernel call each other in a circle" file_circles
+check "folders of the kernel include in one direction only" kernel_order
+check "at most four files of the kernel form a cycle of calls" file_circles
 check "the kernel stays small" kernel_size
-check "the store includes nothing of the others" store_alone
-check "folders of the library include in no circle" library_circles
-check "kernel and library do not know each other, nor plugins" library_alone
-check "guard and ranks include nothing of the others" guard_alone
+check "the store includes no other folder" store_alone
+check "includes of the library's folders form no cycle" library_circles
+check "kernel and library include neither each other nor plugins" library_alone
+check "guard and ranks include no other folder" guard_alone
 check "plugins include from no other family" families
-check "the folder of a plugin is its id" ids
-check "base knows neither kernel nor library, and no plugin includes it" base_alone
+check "the path of a plugin's folder is its id" ids
+check "base includes neither kernel nor library, and no plugin includes base" base_alone
 check "no file has more than 600 lines" long_files
-check "each plugin has a test of its own, which is built" own_tests
+check "each plugin has a test that is built" own_tests
 check "no file-local function is named by a bare verb" bare_verbs
 exit $failed

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The store of results, through the command: which steps run and which are reused
-after each kind of change. A reused run equals a run without reuse (`--no-cache`).
-Neither damage, other processes, kills nor a full disk do harm."""
+"""Test the store of results by the command: which steps run and which are reused
+after each kind of change. A reused run must equal a run without reuse (`--no-cache`), also
+after damage, kills, a full disk, and with other processes."""
 import glob
 import json
 import os
@@ -57,12 +57,12 @@ def manifest(folder):
 
 
 def ran(folder):
-    """The steps that ran, with the reasons."""
+    """Return the steps that ran, with the reasons."""
     return {r["step"]: r["reason"] for r in manifest(folder)["store"]["results"] if r["result"] == "ran"}
 
 
 def same(a, b):
-    """All files but the manifest, to the byte."""
+    """Return the bytes of all files except the manifest."""
     def files(folder):
         return {f["path"]: f["sha256"] for f in manifest(folder)["files"] if not f["path"].endswith("manifest.json")}
     assert files(a) == files(b), (files(a), files(b))
@@ -89,7 +89,7 @@ def test_again():
     assert said.stderr == again.stderr and "finding: a: 2 nm is odd" in again.stderr
     shown = call("run", "chain.yaml", "--output", "runs/x", "--log", "info")
     assert "5 of 5 steps reused" in shown.stdout and "a: reused" in shown.stderr
-    # By default a line for each step of a second or more, and none for reused ones.
+    # By default, only steps of a second or more are logged, and no reused steps.
     silent = call("run", "chain.yaml", "--output", "runs/z").stderr
     assert "reused" not in silent and "] " not in silent, silent
     slow = ("run", "chain.yaml", "--no-cache", "--set", "b.wait=1100", "--output")
@@ -106,7 +106,8 @@ def test_again():
 def test_parameter():
     run()
     folder, _ = run("--set", "c.number=8")
-    # b's output is read back, and needs its input's, which cannot be kept.
+    # The output of b is restored. This requires the output of a, which cannot be stored, so that a
+    # runs again.
     assert ran(folder) == {"a": "step 'b' requires the output", "c": "c.number changed from 7 to 8",
                            "d": "input d.add changed"}, ran(folder)
     same(folder, run("--set", "c.number=8", "--no-cache")[0])
@@ -122,7 +123,7 @@ def test_parameter():
 
 
 def test_told_apart():
-    """A default that is written, another output of the same step, a value of a map."""
+    """Test an explicit default value, another output of the same step, and a value of a map."""
     write("chain.yaml", """opcflow: 1
 steps:
   a: { use: test.kept }
@@ -146,12 +147,12 @@ def test_no_effect():
 
 def test_file():
     run()
-    write("in.txt", "SOME input\n")  # as long, in the same instant
+    write("in.txt", "SOME input\n")  # same length and time
     folder, _ = run()
     assert ran(folder)["a"] == "file in.txt (a.input) changed" and set(ran(folder)) == {"a", "b", "c", "d"}
     os.utime("in.txt")
     assert ran(run()[0]) == {}
-    # A sum that is remembered is not believed of another file.
+    # A cached checksum is not used for another file.
     os.utime("in.txt", (1e9, 1e9))
     time.sleep(2.1)
     run()
@@ -162,11 +163,11 @@ def test_file():
 
 
 def test_beside():
-    """Files that no parameter names: kernels beside their weights."""
+    """Test files that no parameter names: kernels in the folder of their weights."""
     paths = dict(OPCFLOW_PLUGIN_PATH=os.path.join(BUILD, "plugins"))
     flows = os.path.join(os.environ["OPCFLOW_SOURCE"], "flows")
 
-    def kernel(value):  # 5 x 5, nothing but orders of at most 1
+    def kernel(value):  # 5 x 5 frequencies; only orders up to 1 are not 0
         rows = [value if abs(i % 5 - 2) + abs(i // 5 - 2) < 2 else 0.0 for i in range(25)]
         with open("set/fh0.bin", "wb") as f:
             f.write(struct.pack(">6i", 5, 5, 2, 2, 2, 2) + b"".join(struct.pack(">2f", v, 0) for v in rows))
@@ -195,7 +196,7 @@ steps:
 
 
 def test_file_meanwhile():
-    """Results of a file that changes before the step runs are not kept."""
+    """Test that no result is stored if an input file changes before the step runs."""
     write("chain.yaml", "opcflow: 1\nname: x\nsteps:\n  a: { use: test.kept, wait: 400 }\n"
           "  b: { use: test.numbers, size: 1 nm, input: in.txt, add: ${a} }\n")
     env = dict(os.environ, OPCFLOW_STORE=os.path.abspath("store"))
@@ -228,7 +229,7 @@ def test_plugin():
 
 
 def test_fickle():
-    """Results of a plugin without the promise, and of steps that use them, are not kept."""
+    """Test that results of a plugin without OPC_DETERMINISTIC, and of dependent steps, are not stored."""
     write("chain.yaml", FLOW.replace("c: { use: test.kept", "c: { use: test.fickle"))
     run()
     folder, _ = run()
@@ -243,7 +244,7 @@ def test_moved():
     shutil.move("in.txt", "elsewhere/in.txt")
     second, _ = run(flow="elsewhere/renamed.yaml")
     assert ran(second) == {}, ran(second)
-    # A step of another name, which writes its table under that.
+    # A step with another name writes its table under this name.
     write("in.txt", "some input\n")
     write("chain.yaml", FLOW.replace(" d: ", " z: "))
     assert ran(run()[0]) == {}
@@ -257,7 +258,7 @@ def test_required():
 
 
 def test_failure():
-    """A failed step is not kept."""
+    """Test that the result of a failed step is not stored."""
     for _ in range(2):
         done = call("run", "chain.yaml", "--quiet", "--set", "c.file=in/../../x", code=None)
         assert done.returncode
@@ -282,14 +283,14 @@ def test_sweep():
     def files(folder):
         return {f["path"]: f["sha256"] for f in manifest(folder)["files"] if f["path"] != "sweep.csv"}
     assert files(truth) == files(first) == files(second)
-    # One more value: only that point runs, with outputs of the trunk.
+    # An additional value: only that point runs, with the outputs of the shared steps.
     third, _ = run("--sweep", "c.number=[1, 2, 3, 4, 5, 6, 7, 8, 9]")
     assert set(ran(third)) == {"a", "c", "d"}
     assert [r["point"] for r in manifest(third)["store"]["results"] if r["result"] == "ran" and r["step"] == "c"] == [9]
 
 
 def test_kills():
-    """Killed at any moment, a sweep goes on, and its result is the same."""
+    """Test that a sweep that is killed at any moment continues, with the same result."""
     write("chain.yaml", SWEEP)
     truth, _ = run("--no-cache", "--keep")
     dice = random.Random(int(os.environ.get("KILL_SEED", 1)))
@@ -316,7 +317,7 @@ def test_kills():
 
 
 def test_real():
-    """A mask that is read back, and a search, have the same metrics as when they ran."""
+    """Test that a restored mask and a reused search have the same metrics as in the first run."""
     paths = dict(OPCFLOW_PLUGIN_PATH=os.path.join(BUILD, "plugins"))
     flows = os.path.join(os.environ["OPCFLOW_SOURCE"], "flows")
     write("chain.yaml", """opcflow: 1
@@ -332,7 +333,7 @@ steps:
     folder, _ = run(**paths)
     assert set(ran(folder)) == {"best", "best.layout", "best.gates", "surface", "cost", "gds", "picture", "again"}, ran(folder)
     same(truth, folder)
-    printed = manifest(folder + "/best")["store"]  # with steps that its points share
+    printed = manifest(folder + "/best")["store"]  # includes the steps that all points share
     assert printed["reused"] == sum(r["result"] == "reused" for r in printed["results"]) > 0, printed
     folder, _ = run("--set", "best.sweep.mask.synthesizer.fragment=[30 nm, 60 nm]", **paths)
     assert ran(folder)["best.mask"].startswith("mask.synthesizer.fragment changed from "), ran(folder)["best.mask"]
@@ -361,7 +362,7 @@ def test_damaged():
 
 
 def test_outputs_gone():
-    """Outputs that are not there are made again."""
+    """Test that missing outputs are computed again."""
     run()
     for name in entries(".outputs"):
         os.unlink(name)
@@ -372,7 +373,7 @@ def test_outputs_gone():
 
 
 def test_edited():
-    """Changes of a run folder do not change the store."""
+    """Test that changes of a run folder do not change the store."""
     first, _ = run()
     second, _ = run()
     with open(second + "/b.txt", "a") as f:
@@ -383,7 +384,7 @@ def test_edited():
 
 
 def test_together():
-    """Several processes at once, and one that clears."""
+    """Test several concurrent processes, one of which clears the store."""
     write("chain.yaml", SWEEP)
     truth, _ = run("--no-cache", "--keep")
     env = dict(os.environ, OPCFLOW_STORE=os.path.abspath("store"))
@@ -402,7 +403,7 @@ def test_together():
 
 
 def test_place():
-    """No place for it, or none to write: a warning, and the run goes on."""
+    """Test a store that cannot be created or written: a warning, and the run continues."""
     write("file", "")
     folder, done = run(store="file/store")
     assert "no results are kept or reused" in done.stderr and "store" not in manifest(folder)
@@ -443,7 +444,7 @@ def test_limit():
         call("cache", *wrong, code=2)
     call("cache", "clear")
     assert entries() == [] and json.loads(call("cache", "--json").stdout)["bytes"] == 0
-    # Nothing is kept that is too large for the limit.
+    # Results that exceed the limit are not stored.
     call("cache", "limit", "0")
     run()
     assert set(ran(run()[0])) == ALL

@@ -66,7 +66,7 @@ class Browser:
         return parts
 
     def message(self):
-        """The next text; ours are never fragmented, the browser's may be."""
+        """Return the next text of the browser, which may consist of fragments."""
         text = b''
         while True:
             head, size = self.receive(2)
@@ -167,7 +167,7 @@ def opcflow(*words):
 
 
 def make_runs(folder):
-    """Two runs of a cell; the second one has evil texts in all that is text."""
+    """Make two runs of a cell; all texts of the second run contain markup."""
     for name, more in (('one', []), ('two', ['--set', 'mask.max_iterations=2', '--set', 'require=~'])):
         done = opcflow('run', SOURCE + '/flows/demo.yaml', '--output', folder + '/' + name, '--set', 'picture=~', *more)
         if done.returncode > 1:
@@ -186,8 +186,8 @@ def make_runs(folder):
 
 
 def make_experiment(folder):
-    """The two runs as methods on a case, a second case with one of them, a failure, and a method
-    with the transistors of the first one."""
+    """Make an experiment: the two runs as methods on a case, and a second case with one run and one
+    failure. A third method has the transistors of the first one."""
     top = folder + '/experiment/'
     for case, name in (('A', 'one'), ('A', 'two'), ('B', 'one')):
         shutil.copytree(folder + '/' + name, top + case + '/' + name)
@@ -210,7 +210,7 @@ def expect(found, wanted, what):
 
 
 def test_numbers(b, runs):
-    """All numbers of tables are those of metrics.json, to the bit."""
+    """Test that all numbers of the tables equal those of metrics.json, bit by bit."""
     cells = b.value('''[...document.querySelectorAll('#facts td[data-metric]')].map(c => [c.dataset.metric, c.dataset.value])''')
     expect(len(cells) >= 2 * len(runs[0].metrics), True, 'cells of all metrics')
     for k, (name, value) in enumerate(cells):
@@ -222,7 +222,7 @@ def test_numbers(b, runs):
 
 
 def test_data(b, runs):
-    """The figures in the page are data, and those of gates.csv."""
+    """Test that the embedded figures equal those of gates.csv."""
     text = b.value('document.getElementById("data").textContent')
     data = json.loads(text)
     columns = {c['name']: c['values'] for c in data['runs'][0]['tables']['gates']['columns']}
@@ -237,7 +237,7 @@ def window(b):
 
 
 def place(b, pane, at):
-    """Where a place of the layout is on the screen."""
+    """Return the position on the screen of a place of the layout."""
     b.value('document.querySelector(".panes").scrollIntoView({block: "center"})')
     r = b.value('''(r => ({x: r.x + r.width / 2, y: r.y + r.height / 2}))
         (document.querySelectorAll('.pane canvas')[%d].getBoundingClientRect())''' % pane)
@@ -259,7 +259,7 @@ def test_pointing(b, runs):
 
 
 def test_colours(b, runs):
-    """Transistors are bluer where weak, redder where strong."""
+    """Test that transistors with a low Ion are blue, and those with a high Ion red."""
     run, b0 = runs[0], b
     b0.mouse('mouseMoved', 2, 2)
     for i in run.worst()[:2]:
@@ -311,14 +311,14 @@ def test_keyboard(b, runs):
 
 
 def test_compare(b, runs):
-    """Two runs beside each other: the third picture is the difference."""
+    """Test two runs side by side: the third picture is the difference."""
     b.value('''(s => { s.value = '1'; s.dispatchEvent(new Event('change')); })(document.getElementById('beside'))''')
     b.until('''document.querySelectorAll('.pane h4')[2].textContent.includes(' less ')''')
     b.value('''(s => { s.value = ''; s.dispatchEvent(new Event('change')); })(document.getElementById('beside'))''')
 
 
 def test_texts(b, runs):
-    """No text of the data has become an element."""
+    """Test that no text of the data has become an element."""
     expect(b.value('document.images.length'), 0, 'images')
     expect(EVIL in b.value('document.querySelector("h1").textContent'), True, 'the title')
 
@@ -346,7 +346,7 @@ def test_narrow(b, runs):
 
 
 def test_experiment(b, runs, folder):
-    """Methods over all cases: means as computed by Python; the page lists failed cases."""
+    """Test the means over all cases against those computed by Python; the page lists failed cases."""
     make_experiment(folder)
     b.open(folder + '/experiment.html')
     rows = b.value('''[...document.querySelectorAll('#summary > .wide table')[0].rows].map(r => [...r.cells].map(c => c.innerText.trim()))''')
@@ -363,7 +363,7 @@ def test_experiment(b, runs, folder):
 
 
 def test_few(b, runs, folder):
-    """One transistor, which has no spread; none; figures of nobody; a history that is exact."""
+    """Test one transistor (no spread), no transistors, empty figures, and figures that are all 0."""
     def change(name, table, edit):
         rows = list(csv.reader(open(folder + '/one/' + table, newline='')))
         target = folder + '/' + name
@@ -397,7 +397,7 @@ def main():
     tests = [t for name, t in globals().items() if name.startswith('test_')]
     browser = next((p for p in map(shutil.which, BROWSERS) if p), None)
     if not browser:
-        print('1..0 # SKIP no Chromium here: the page is not looked at (Debian: chromium)')
+        print('1..0 # SKIP Chromium is missing, so that the page is not tested (Debian package: chromium)')
         return 0
     failed = 0
     print('1..%d' % (len(tests) + 1), flush=True)
