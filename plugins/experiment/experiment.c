@@ -116,31 +116,31 @@ static int experiment_run(void *self, void **outputs, opc_error *error) {
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(experiment, flow, .type = OPC_FILE,
                   .flags = OPC_REQUIRED | OPC_INNER_FLOW,
-                  .summary = "flow of the methods"),
+                  .summary = "flow that runs for each method and case"),
     OPC_PARAMETER(
         experiment, variant, .type = OPC_TEXT,
         .summary = "variant of the flow that applies before each method"),
-    OPC_PARAMETER(experiment, cases, .type = OPC_MAP,
-                  .flags = OPC_REQUIRED | OPC_MAP_OF_ANY | OPC_INNER_AXIS,
-                  .summary = "layouts: [{ step.parameter: value }], "
-                             "with lists, patterns, { list: FILE }"),
+    OPC_PARAMETER(
+        experiment, cases, .type = OPC_MAP,
+        .flags = OPC_REQUIRED | OPC_MAP_OF_ANY | OPC_INNER_AXIS,
+        .summary = "cases to run, as in [{ layout.file: a.gds }]; values may "
+                   "be lists or patterns, { list: FILE } reads a file"),
     OPC_PARAMETER(experiment, methods, .type = OPC_MAP,
                   .flags = OPC_REQUIRED | OPC_MAP_OF_ANY | OPC_INNER_AXIS,
                   .summary = "methods to compare: [variant], or { name: { "
                              "step.parameter: value } }"),
-    OPC_PARAMETER(
-        experiment, set, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,
-        .summary =
-            "step.parameter: value, for all runs; overrides cases and methods"),
+    OPC_PARAMETER(experiment, set, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,
+                  .summary = "values for all runs, { step.parameter: value }; "
+                             "override those of cases and methods"),
     OPC_PARAMETER(
         experiment, columns, .type = OPC_MAP,
-        .summary = "step.metric: heading, columns of the summary; default: the "
-                   "metrics that differ between methods"),
+        .summary = "columns of the summary, { step.metric: heading }; default: "
+                   "the metrics that differ between methods"),
 };
 
 static const opc_metric metrics[] = {
-    {"cases", NULL, OPC_NEUTRAL, 0, "total number"},
-    {"methods", NULL, OPC_NEUTRAL, 0, "total number"},
+    {"cases", NULL, OPC_NEUTRAL, 0, "number of cases"},
+    {"methods", NULL, OPC_NEUTRAL, 0, "number of methods"},
     {"failed", NULL, OPC_LOWER, 0, "runs that failed"},
     {"missed", NULL, OPC_LOWER, 0,
      "runs that do not meet the requirements of the flow"},

@@ -277,7 +277,7 @@ static int print_verdicts(const experiment *e, opc_error *error) {
   return code;
 }
 
-/* ---- all of it ---- */
+/* ---- complete report ---- */
 
 static void figures_report(const experiment *e) {
   const opc_host *host = e->host;

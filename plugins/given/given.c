@@ -24,8 +24,8 @@ import import;
 
 /* ---- work ---- */
 
-/* Report the numbers of worse and lost transistors, with the definitions of the
-   guard of `correct`. */
+/* Publish the numbers of transistors that are worse than drawn (`worse`) and
+   that do not print (`lost`), as the guard of `correct` defines them. */
 static int given_report_worse(const given *s, const eda_mask *m,
                               const uint32_t *before, opc_error *error) {
   size_t worse = 0, lost = 0;

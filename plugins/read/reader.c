@@ -162,8 +162,9 @@ int32_t reading_named_layer(reading *b, const char *name) {
   return reading_number(b, eda_layout_layer(b->layout, name, &b->layout_error));
 }
 
-/* Return the layer of a layer number and datatype. The name is that of the pair
-   with both numbers, else of the pair for every datatype, else "L/D". */
+/* Return the layer of a layer number and datatype. The name is that of the
+   entry of `layers` with both numbers, else that of the entry for every
+   datatype, else "L/D". */
 int32_t reading_numbered_layer(reading *b, uint32_t layer, uint32_t datatype) {
   const opc_map *map = &b->r->layers;
   uint64_t code = (uint64_t)layer << 32 | datatype;
@@ -401,7 +402,7 @@ int reader_choices(void *self,
   return code;
 }
 
-/* ---- the whole ---- */
+/* ---- reading a file ---- */
 
 int reading_run(void *state, void *self, void **outputs, opc_error *error,
                 void (*read)(void *state)) {

@@ -11,7 +11,8 @@
 
 /* ---- the figure to minimise ---- */
 
-/* Set the parameter of an error, or a key of it, and return the code. */
+/* Set the parameter of an error, or a key of that parameter, and return the
+   code. */
 static int error_set_parameter(opc_error *error, const char *parameter,
                                const char *key) {
   g_snprintf(error->parameter, sizeof error->parameter, "%s%s%s", parameter,
@@ -34,7 +35,8 @@ static int plan_figure(search *s, opc_error *error) {
   return OPC_OK;
 }
 
-/* Set up the shared axis: settings that differ only there share a run. */
+/* Set up the shared axis: settings that differ only in the value of this axis
+   share a run. */
 static int plan_axis(search *s, const char *key, opc_error *error) {
   plan *p = &s->plan;
   p->along = opc_get_inner(s->host)->axis(s->host, key, error);
@@ -278,20 +280,22 @@ static const opc_parameter parameters[] = {
                              "the step 'gates' of the flow)"),
     OPC_PARAMETER(search, variant, .type = OPC_TEXT,
                   .summary = "variant of the flow"),
+    OPC_PARAMETER(search, set, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,
+                  .summary = "values that override those of the flow, { "
+                             "step.parameter: value }"),
     OPC_PARAMETER(
-        search, set, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,
-        .summary = "step.parameter: value, overrides the values of the flow"),
-    OPC_PARAMETER(search, sweep, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,
-                  .summary = "step.parameter: [...] or { from: A, to: B, step: "
-                             "C }; merged over the sweep of the flow"),
+        search, sweep, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,
+        .summary =
+            "swept parameters, { step.parameter: [...] } or { step.parameter: "
+            "{ from: A, to: B, step: C } }; added to the sweep of the flow"),
     OPC_PARAMETER(
         search, along, .type = OPC_MAP,
-        .summary = "step.parameter: step.table.column; one run covers all "
-                   "values of this parameter, with a table row for each value"),
+        .summary = "parameter whose values share a run, { step.parameter: "
+                   "step.table.column }; the table has a row for each value"),
     OPC_PARAMETER(search, minimise, .type = OPC_TEXT,
-                  .summary = "step.metric to minimise"),
+                  .summary = "metric to minimise, as in step.metric"),
     OPC_PARAMETER(search, maximise, .type = OPC_TEXT,
-                  .summary = "step.metric to maximise"),
+                  .summary = "metric to maximise, as in step.metric"),
     OPC_PARAMETER(
         search, mask, .type = OPC_TEXT,
         .summary =
@@ -303,7 +307,7 @@ static const opc_metric metrics[] = {
     {"greatest", NULL, OPC_HIGHER, 0,
      "metric of the best setting, if maximised"},
     {"setting", NULL, OPC_NEUTRAL, 0, "number of the best setting"},
-    {"settings", NULL, OPC_NEUTRAL, 0, "total number"},
+    {"settings", NULL, OPC_NEUTRAL, 0, "number of settings"},
     {"failed", NULL, OPC_LOWER, 0, "settings whose runs failed"},
     {"runs", NULL, OPC_LOWER, 0,
      "runs of the flow, without the repeated run of the best setting"},

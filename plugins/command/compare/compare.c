@@ -9,7 +9,7 @@
 #include "same.h"
 #include "tables.h"
 
-/* ---- work: whether it may be compared ---- */
+/* ---- work: comparability ---- */
 
 /* Number of reasons in the message; the message counts further reasons. */
 enum { LISTED = 5 };
@@ -156,13 +156,14 @@ static int compare_run(void *self, size_t n, const char *const *arguments,
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    OPC_PARAMETER(comparison, variant, .type = OPC_TEXT,
-                  .summary =
-                      "latest run of a variant of a flow ('base': without "
-                      "variant); may be repeated, the first run is the base"),
-    OPC_PARAMETER_NAMED("metrics", comparison, chosen, .type = OPC_TEXT,
-                        .summary = "only these metrics: names, last parts of "
-                                   "names, or patterns, separated by commas"),
+    OPC_PARAMETER(
+        comparison, variant, .type = OPC_TEXT,
+        .summary = "variants of a flow whose latest runs are compared ('base': "
+                   "no variant); may be repeated, the first one is the base"),
+    OPC_PARAMETER_NAMED(
+        "metrics", comparison, chosen, .type = OPC_TEXT,
+        .summary = "metrics to compare: names, last parts of names, or "
+                   "patterns, separated by commas (default: all)"),
     OPC_PARAMETER(comparison, sort, .type = OPC_CHOICE, .preset = "file",
                   .choices = "file|name|change|verdict",
                   .summary = "order of the metrics"),

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the step `draw.chip`: a map of a figure of a chip's transistors.
-   The raster has the size of the picture; a pixel shows the worst of its
-   transistors. */
+/* Implements the step `draw.chip`: a map of a chip, in which colours show one
+   quantity of all transistors. The raster has the size of the picture; a pixel
+   shows the worst of the transistors inside the pixel. */
 #include <eda/chip.h>
 #include <eda/drawing.h>
 #include <eda/memory.h>
@@ -112,8 +112,9 @@ static int raster_paint(const drawer *d, const eda_paper *paper,
       cairo_image_surface_create(CAIRO_FORMAT_RGB24, r->width, r->height);
   if (cairo_surface_status(s)) {
     cairo_surface_destroy(s);
-    return opc_fail(error, OPC_FAILED, NULL, "no picture of %d x %d pixels",
-                    r->width, r->height);
+    return opc_fail(error, OPC_FAILED, NULL,
+                    "cannot create a picture of %d x %d pixels", r->width,
+                    r->height);
   }
   uint32_t faint = eda_colour_packed(eda_faint);
   unsigned char *data = cairo_image_surface_get_data(s);
@@ -139,7 +140,7 @@ static int raster_paint(const drawer *d, const eda_paper *paper,
 static double draw_head(const drawer *d, const eda_paper *paper, double range) {
   static const char *const titles[] = {
       "Ion deviation after correction", "Ion deviation as drawn",
-      "|Ion deviation|, after less before: below 0 is better",
+      "|Ion deviation|, after minus before: below 0 is better",
       "Number of transistors with the same mask"};
   char low[32], high[32];
   int classes = d->show == CLASSES;

@@ -143,7 +143,8 @@ static double foot_distance(const line *l, const double *p,
 
 typedef struct approach {
   const line *from, *to;
-  double *distance; /* of the points of `from`; positive outside of `to` */
+  double *distance; /* distances of the points of `from`; positive outside of
+                       `to` */
 } approach;
 
 static void approach_point(void *data, size_t i) {

@@ -17,7 +17,8 @@ static const eda_colour drawn_colour = EDA_COLOUR(0xa9b8d6),
                         mask_colour = EDA_COLOUR(0x101010),
                         other_colour = EDA_COLOUR(0x0b6b3a);
 
-/* Return the transistor layer other than the printed one, or poly. */
+/* Return active if the simulated layer is poly; otherwise, or without active,
+   return poly. */
 static size_t other_layer(const image_run *r) {
   return r->layer == EDA_POLY && r->gates->layers > EDA_ACTIVE ? EDA_ACTIVE
                                                                : EDA_POLY;
@@ -133,9 +134,8 @@ static int dashed_contours(const image_run *r, opc_error *error) {
 
 /* ---- lenses ---- */
 
-/* A lens below the window for each model but the first: the position of its
-   largest distance, magnified. */
-
+/* Return 1 if a model has a lens below the window. Each model but the first has
+   a lens, which magnifies the position of the model's largest distance. */
 static int has_lens(const image_run *r, size_t k) {
   return k && r->model[k].distance.max >= 1e-3;
 }

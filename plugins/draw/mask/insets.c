@@ -15,8 +15,8 @@ static const struct {
 } tuned = {
     /* Pixels per nm above which a gate of 65 nm is recognisable. */
     .scale = 0.2,
-    /* Smallest width of the region in an inset, nm; width of the region in
-       sizes of the gate. */
+    /* Width of the region in an inset: smallest width, nm, and width divided by
+       the size of the gate. */
     .least = 1000,
     .sizes = 1.6,
 };

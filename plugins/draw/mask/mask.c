@@ -215,7 +215,7 @@ static void add_layer(const drawer *d, size_t k, eda_legend *l) {
 static void add_scale(const drawer *d, eda_legend *l) {
   static const char *const texts[] = {
       "Ion deviation as drawn", "Ion deviation after correction",
-      "|Ion deviation|, after less before: below 0 is better"};
+      "|Ion deviation|, after minus before: below 0 is better"};
   char low[32], high[32];
   (void)snprintf(low, sizeof low, "-%g %%", d->range);
   (void)snprintf(high, sizeof high, "+%g %%", d->range);
@@ -244,7 +244,7 @@ static double mask_legend(const void *self, double top) {
                    "does not print well");
   if (count_violations(d))
     eda_legend_add(&l, &(eda_sign){.kind = EDA_SIGN_RING},
-                   "rule not kept (%zu)", count_violations(d));
+                   "violated rule (%zu)", count_violations(d));
   return gap + l.height;
 }
 

@@ -94,8 +94,9 @@ static void choice_take(choice *c, uint32_t at) {
   while (c->first_free < c->gates && c->taken[c->first_free]) c->first_free++;
 }
 
-/* Assign gates to a device: one if `one_each`, all if `alone`, otherwise one
-   per finger, or up to the width of the device if `fingers` is 0. */
+/* Assign gates to a device: one gate if `one_each` is set, all gates if `alone`
+   is set. Otherwise one gate for each finger or, if `fingers` is 0, gates up to
+   the width of the device. */
 static int take_gates(choice *c, uint32_t owner, int alone, int one_each) {
   graph *g = c->g;
   const eda_transistor *d = c->device;

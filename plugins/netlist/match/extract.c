@@ -341,7 +341,7 @@ static int load_labels(extractor *x) {
   return OPC_OK;
 }
 
-/* ---- the order of the work ---- */
+/* ---- all steps ---- */
 
 /* Number the nets in the order of the gates. */
 static void number_nets(extractor *x) {

@@ -30,8 +30,8 @@ static void list_instances(match_task *j, int32_t cell, eda_names *names) {
   }
 }
 
-/* Return the instance of the layout with the name of an element, with or
-   without its X; -1: none. */
+/* Return the instance of the layout with the name of an element; the first
+   letter of the element's name (X) may be missing in the layout. -1: none. */
 static int64_t by_name(const eda_names *names, const eda_element *e) {
   const char *name = e->name;
   uint32_t *at = eda_names_find(names, name);

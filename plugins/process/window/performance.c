@@ -11,7 +11,7 @@
    %. */
 enum { LINES = 32 };
 
-/* ---- where limits are kept ---- */
+/* ---- ranges within the limits ---- */
 
 /* Reduce the interval [low, high] of t to the part in which a + (b - a) t is in
    [least, most]. */

@@ -22,7 +22,7 @@ typedef struct exposure {
   eda_measurement measured;
 } exposure;
 
-/* ---- one print ---- */
+/* ---- one condition ---- */
 
 typedef struct cutter {
   const exposure *e;
@@ -130,7 +130,7 @@ static int take_masks(exposure *e, double by, opc_error *error) {
   return code;
 }
 
-/* ---- all of them ---- */
+/* ---- all conditions ---- */
 
 static int go_on(const window *w, size_t done, opc_error *error) {
   opc_progress progress = {

@@ -233,7 +233,7 @@ static int mask_errors(const window *w, opc_error *error) {
   return code ? code : opc_put_metrics(w->host, OPC_ARRAY(values), error);
 }
 
-/* ---- all of it ---- */
+/* ---- all tables ---- */
 
 int window_report(const window *w, opc_error *error) {
   size_t prints = w->focus.count * w->dose.count;

@@ -44,8 +44,9 @@ static int cif_run(void *self, void **outputs, opc_error *error) {
 
 /* ---- entry ---- */
 
-READER_FUNCTIONS(cif_run, 0, "The CIF file",
-                 "Names for layers: { poly: CP }; the others keep theirs")
+READER_FUNCTIONS(
+    cif_run, 0, "The CIF file",
+    "Layer names, as in { poly: CP }; other layers keep the names of the file")
 
 OPC_PLUGIN(reader, .id = "read.cif", .summary = "Read a CIF file",
            READER_ENTRY);

@@ -7,8 +7,8 @@
 
 #include "../reader.h"
 
-/* Largest number of instances from arrays with non-integer steps in a file;
-   their names may take 64 times as many bytes. */
+/* Largest number of instances that replace arrays with non-integer steps in a
+   file. Each 64 bytes of a name count as a further instance. */
 enum { MAX_APART = 1 << 20 };
 
 /* Largest number of bytes of a record: its length has 16 bits. */
@@ -37,9 +37,9 @@ typedef struct gds {
   reading b;
   size_t at, next; /* place of the current record, for errors; place of the next
                       record */
-  uint32_t type;   /* type of the current record, and its n bytes of data,
-                      even */
-  const uint8_t *data; /* valid until the next record */
+  uint32_t type;   /* type of the current record */
+  const uint8_t *data; /* n bytes of data of the record, n even; valid until
+                          the next record */
   size_t n;
   size_t apart;
   int absolute; /* 1: a placement has absolute angle or magnification */
@@ -431,8 +431,8 @@ static int gds_run(void *self, void **outputs, opc_error *error) {
 /* ---- entry ---- */
 
 READER_FUNCTIONS(gds_run, UINT16_MAX, "The GDSII file",
-                 "Names for layers: { poly: 9/0 }, or 9 for every datatype; "
-                 "the others are called 9/0")
+                 "Layer names, as in { poly: 9/0 }, or { poly: 9 } for every "
+                 "datatype; other layers are named by their numbers, as in 9/0")
 
 OPC_PLUGIN(reader, .id = "read.gds", .summary = "Read a GDSII file",
            READER_ENTRY);

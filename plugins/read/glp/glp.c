@@ -167,7 +167,7 @@ static void take_polygon(clip *c) {
       glp_refuse_at(c, w.s, "expected a whole number within 2^31");
     c->points[n].y = need_number(c);
   }
-  if (n < 3) glp_refuse(c, "PGON of less than 3 points");
+  if (n < 3) glp_refuse(c, "PGON of fewer than 3 points");
   if (!b->failed)
     reading_check(b, eda_layout_add_polygon(b->layout, b->cell, layer,
                                             c->points, n, &b->layout_error));
@@ -180,7 +180,7 @@ static int take_record(clip *c) {
   c->record = w.s;
   if (word_is(w, "ENDMSG")) return 0;
   if (!w.n || word_is(w, "BEGIN") || word_is(w, "CNAME") || word_is(w, "LEVEL"))
-    return 1; /* the record repeats names of later records */
+    return 1; /* CELL and shapes contain the names of these records */
   if (word_is(w, "EQUIV")) {
     take_unit(c);
   } else if (word_is(w, "CELL")) {
@@ -220,8 +220,9 @@ static int glp_run(void *self, void **outputs, opc_error *error) {
 
 /* ---- entry ---- */
 
-READER_FUNCTIONS(glp_run, 0, "The GLP file",
-                 "Names for layers: { metal: M1 }; the others keep theirs")
+READER_FUNCTIONS(
+    glp_run, 0, "The GLP file",
+    "Layer names, as in { metal: M1 }; other layers keep the names of the file")
 
 OPC_PLUGIN(reader, .id = "read.glp", .summary = "Read a GLP clip",
            READER_ENTRY);

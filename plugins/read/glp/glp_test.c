@@ -115,7 +115,7 @@ static void test_refused(void) {
       {"CELL A\nRECT N M1 1 2 2147483648 4\n",
        ":2:15: expected a whole number"},
       {"CELL A\nRECT N M1 1 2 3.5 4\n", ":2:15: expected a whole number"},
-      {"CELL A\nPGON N M1 0 0 1 1\n", ":2:1: PGON of less than 3 points"},
+      {"CELL A\nPGON N M1 0 0 1 1\n", ":2:1: PGON of fewer than 3 points"},
       {"CELL A\nPGON N M1 0 0 1 1 2\n", ":2:20: a number is missing"},
       {"CELL A\nPGON N\n", ":2:7: a name is missing"},
       {"CELL A\nCELL A\n", ":2:6: a cell of this name exists already"},

@@ -223,8 +223,8 @@ static int oasis_run(void *self, void **outputs, opc_error *error) {
 /* ---- entry ---- */
 
 READER_FUNCTIONS(oasis_run, UINT32_MAX, "The OASIS file",
-                 "Names for layers: { poly: 9/0 }, or 9 for every datatype; "
-                 "the others are called 9/0")
+                 "Layer names, as in { poly: 9/0 }, or { poly: 9 } for every "
+                 "datatype; other layers are named by their numbers, as in 9/0")
 
 OPC_PLUGIN(reader, .id = "read.oasis", .summary = "Read an OASIS file",
            READER_ENTRY);

@@ -6,7 +6,7 @@
 
 #include "iccad.h"
 
-/* ---- pixels that hang together ---- */
+/* ---- connected pixels ---- */
 
 static int32_t set_root(int32_t *parent, int32_t i) {
   while (parent[i] != i) i = parent[i] = parent[parent[i]];

@@ -228,7 +228,7 @@ static void cif_end(void *self) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] =
-    WRITE_PARAMETERS(cif, "mask.cif", "Names for layers: { poly: CP }");
+    WRITE_PARAMETERS(cif, "mask.cif", "Layer names, as in { poly: CP }");
 
 static const write_format format = {
     .layer = "CP",

@@ -186,7 +186,7 @@ static void gds_end(void *self) { put_empty(self, EDA_GDS_ENDLIB); }
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] =
-    WRITE_PARAMETERS(gds, "mask.gds", "Numbers for layers: { poly: 9/0 }");
+    WRITE_PARAMETERS(gds, "mask.gds", "Layer numbers, as in { poly: 9/0 }");
 
 static const write_format format = {
     .layer = "9/0",

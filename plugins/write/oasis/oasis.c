@@ -5,7 +5,7 @@
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] =
-    WRITE_PARAMETERS(oasis, "mask.oas", "Numbers for layers: { poly: 9/0 }");
+    WRITE_PARAMETERS(oasis, "mask.oas", "Layer numbers, as in { poly: 9/0 }");
 
 static int oasis_check(void *self, opc_error *error) {
   return writer_check(self, &oasis_stream, error);

@@ -264,7 +264,7 @@ static void oasis_clear(void *self) {
   g_clear_pointer(&w->places, free);
 }
 
-/* ---- all of it ---- */
+/* ---- the format ---- */
 
 const write_format oasis_stream = {
     .layer = "9/0",
