@@ -206,7 +206,8 @@ int graph_read(graph *g, eda_pool *pool, const eda_timing *timing,
 
 /* ---- from devices of the circuit to devices of cells ---- */
 
-/* Return a hash table from instance name to first node + 1. */
+/* Return a hash table from instance name to the number of the first node +
+   1. */
 static GHashTable *index_instances(const graph *g) {
   GHashTable *at = g_hash_table_new(g_str_hash, g_str_equal);
   for (size_t i = 0; i < g->nodes; i++)

@@ -73,7 +73,8 @@ typedef struct state {
                   EDA_SIZES + size]; NULL: drawn sizes */
   double *table; /* cubic coefficients of the arcs of all nodes, ps; see
                     tables.c */
-  double *one;   /* one delay per arc, fs; see one_delay */
+  double *one;   /* one delay per arc, fs, for SDF files (see the enumeration
+                    below) */
   const node *nodes;
   /* Loads of each net, F, [(net * 2 + rises) * EDA_CAPS + cap]. `load`: mean
      over the input patterns of the instances on the net. `fixed`: part of wires

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements delay tables at the loads and sizes of a state: for each arc of
-   each node, cubics of the input slew. Also static timing analysis with these
-   tables. */
+   each node, cubics of the input slew. Implements static timing analysis with
+   these tables. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

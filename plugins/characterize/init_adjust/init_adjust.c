@@ -32,8 +32,9 @@ typedef struct characterize {
 } characterize;
 
 /* State of a run. Sizes are ordered by length, then width. Each size has
-   `starts` trials with first corrections of first, first + 1, ... grid steps.
-   One more trial begins with one grid step towards the smaller error. */
+   `starts` trials, with first corrections of `first`, `first` + 1 and so on, in
+   grid steps. One more trial begins with one grid step that reduces the
+   error. */
 typedef struct work {
   const characterize *by;
   row_rules row;
@@ -268,16 +269,16 @@ static const opc_parameter parameters[] = {
     NUMBER(tie, OPC_REAL, "%", OPC_AT_LEAST, 0, 0, "0 %",
            "|PDE| below which results count as equal and the fewest iterations "
            "decide; the thesis uses 0 %"),
-    OPC_PARAMETER(
-        characterize, ion_limit, .type = OPC_REAL, .flags = OPC_ABOVE,
-        .unit = "%", .preset = "0.5 %", .former = "limit",
-        .summary = "largest allowed |Ion deviation|, as in synthesizer.dpb"),
+    OPC_PARAMETER(characterize, ion_limit, .type = OPC_REAL, .flags = OPC_ABOVE,
+                  .unit = "%", .preset = "0.5 %", .former = "limit",
+                  .summary = "largest allowed |Ion deviation|, as the "
+                             "parameter of synthesizer.dpb"),
     NUMBER(max_bias, OPC_REAL, "nm", OPC_ABOVE | OPC_AT_MOST, 0, 1000, "80 nm",
            "largest correction of L or W, as in synthesizer.dpb"),
     OPC_PARAMETER_NAMED(
         "w_step", characterize, proportional, .type = OPC_CHOICE,
         .preset = "unit", .choices = "unit|proportional",
-        .summary = "steps of W: one grid unit, or proportional to the error"),
+        .summary = "steps of W: one grid step, or proportional to the error"),
     NUMBER(max_iterations, OPC_INT, NULL, BETWEEN, 0, 100000, "100",
            "largest number of moves of a correction"),
     NUMBER(grid, OPC_REAL, "nm", BETWEEN, 0.1, 10, "1 nm",

@@ -74,7 +74,7 @@ static int print_layer(row *r, int layer, opc_error *error) {
 /* One printed transistor. */
 typedef struct printed {
   const row *row;
-  double middle;    /* x */
+  double middle;    /* x of the middle of the gate */
   double low, high; /* y of the printed edges of the active */
 } printed;
 
@@ -98,7 +98,7 @@ static double length_at(const printed *p, double y) {
   if (!(image_value(r, EDA_POLY, p->middle, y) > 0)) return 0;
   double low = printed_edge(r, EDA_POLY, EDA_X, p->middle - r->length / 2, y);
   double high = printed_edge(r, EDA_POLY, EDA_X, p->middle + r->length / 2, y);
-  return high > low ? high - low : 0; /* 0 also for NAN */
+  return high > low ? high - low : 0; /* also 0 if an edge is NAN */
 }
 
 static double length_of_gate(const eda_printed_gate *gate, double place) {

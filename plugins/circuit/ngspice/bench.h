@@ -20,10 +20,10 @@ typedef struct bench {
   /* Parameters. */
   const eda_circuit *circuit; /* parameter `circuit` */
   const eda_mask *mask;       /* NULL: simulate only drawn sizes */
-  const char
-      *models[2]; /* files of the n and p models; [1] NULL: same file as [0] */
+  const char *models[2]; /* model files of the n- and p-transistors; [1] NULL:
+                            same file as [0] */
   const char *model[2];
-  const char *library, *corner, *osdi; /* in place of `models` */
+  const char *library, *corner, *osdi; /* used instead of `models` */
   const char *stand_ins;
   int dlc;   /* 1: adjust DLC */
   int sizes; /* SIZES_BOTH, SIZES_LENGTH */
@@ -39,13 +39,13 @@ typedef struct bench {
   const char *picture;
   double limit;
 
-  /* State of a run. */
+  /* The members below are the state of a run. */
   eda_pool pool;           /* owner of most of the following */
   eda_circuit own;         /* copy of `circuit` with substituted models */
   eda_circuit plain;       /* copy of `circuit` with net names n0, n1 ... */
   const eda_mask *printed; /* `mask` or `sized` */
   eda_mask sized;       /* copy of the mask with sizes from sizes_by_length */
-  int has[EDA_STATES];  /* 1 if this set of sizes is available */
+  int has[EDA_STATES];  /* 1: this set of sizes is available */
   const char *cards[2]; /* absolute paths; [1] NULL: same as [0] */
   char *statements;     /* model statements of the library; NULL: use
                            cards */
@@ -78,12 +78,13 @@ int bench_drives(const bench *b, opc_error *error);
 enum { SIZE_ON, SIZE_OFF, SIZE_TIMED };
 
 /* Return the circuit `c`, with nets n0, n1 ..., as a .subckt (caller frees).
-   Returns NULL and sets `error` on failure. [any] */
+   Return NULL and set `error` on failure. [any] */
 char *bench_netlist(const bench *b, const eda_circuit *c, int state, int sizes,
                     opc_error *error);
 
-/* Handle the result `code` of a simulation at sizes `state`. If sizes before
-   correction failed, warn, drop them and return OPC_OK; else return `code`. */
+/* Handle the result `code` of a simulation at the set of sizes `state`. If the
+   sizes before correction failed, warn, discard this set and return OPC_OK;
+   otherwise return `code`. */
 int bench_forgive(bench *b, int state, int code, const opc_error *error);
 
 /* Return the name of a net at the top level: "n12", "0" for ground. */
@@ -218,7 +219,7 @@ traversal traversal_new(const machine *m);
 void traversal_clear(traversal *w);
 void traversal_step(const bench *b, const machine *m, traversal *w,
                     uint32_t input);
-/* Extend a traversal to a state by the fewest changes. Returns 0 if no path is
+/* Extend a traversal to a state by the fewest changes. Return 0 if no path is
    known. */
 int traversal_to(const bench *b, const machine *m, traversal *w,
                  uint32_t state);
@@ -233,7 +234,7 @@ void traversal_command(const machine *m, const traversal *w, FILE *out);
 void states_leading_to(const bench *b, const machine *m, uint8_t *mark);
 
 /* Extend an empty traversal by changes that lead to the same state from all
-   states with all inputs at 0. Returns 0 if no such changes are known. */
+   states with all inputs at 0. Return 0 if no such changes are known. */
 int traversal_synchronise(const bench *b, const machine *m, traversal *w);
 
 /* ---- delays.c: transients ---- */
@@ -309,8 +310,9 @@ enum { SWEEP = 241 };
 /* Butterfly curves of a memory cell, at equal voltage steps from 0 to the
    supply, and the largest square in each of the two eyes. */
 typedef struct butterfly {
-  double right[SWEEP], up[SWEEP]; /* QB(Q), Q(QB) */
-  double margin[2];               /* left, right; 0 if not bistable */
+  double right[SWEEP], up[SWEEP]; /* voltages QB(Q) and Q(QB) */
+  double margin[2];               /* left and right margin; 0 if the cell is not
+                                     bistable */
   double corner[2][4];            /* x0, y0, x1, y1 of each square */
 } butterfly;
 

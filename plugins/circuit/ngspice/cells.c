@@ -21,7 +21,8 @@ static int half_compare(const void *a, const void *b) {
   return p->type - q->type;
 }
 
-/* Return 1 if transistors of that type drive the net to their rail. */
+/* Return 1 if a net is the rail of transistors of a type: ground for n, supply
+   for p. */
 static int pulls_to(const eda_circuit *c, uint32_t net, int type) {
   return eda_circuit_role(c, net) ==
          (type == EDA_NMOS ? EDA_PIN_GROUND : EDA_PIN_SUPPLY);

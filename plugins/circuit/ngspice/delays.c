@@ -9,7 +9,7 @@
 #include "bench.h"
 
 enum {
-  CHUNK = 4,     /* transitions per process */
+  CHUNK = 4,     /* number of transitions per process */
   POINTS = 1000, /* least number of points of a transient */
   COARSE = 50,   /* points of a transient that only determines the duration */
   LONGER = 4,    /* factor on the duration of a retry */
@@ -30,7 +30,7 @@ typedef struct study {
 /* Settings of a transient. */
 typedef struct transient {
   double window;
-  int points; /* least number; the largest step is window / points */
+  int points; /* least number of points; the largest step is window / points */
 } transient;
 
 /* ---- decks ---- */
@@ -64,8 +64,8 @@ static void write_commands(bench_task *j, FILE *out, const void *how) {
 
 /* ---- measurement ---- */
 
-/* Measure the last edge of an output. Returns its end; NAN if the edge is
-   incomplete or the output changes again. */
+/* Measure the last edge of an output. Return the end of the edge; NAN if the
+   edge is incomplete or the output changes again. */
 static double last_edge_measure(const bench *b, arrival *a, int state,
                                 double middle, const double *t, const double *h,
                                 size_t n) {
@@ -173,7 +173,7 @@ static void run_job(bench_task *j) {
 
 /* ---- transitions to measure ---- */
 
-/* Return 1 if output o follows transition t; then also set `rises`. */
+/* Return 1 if output o changes after transition t, and set `rises`. */
 static int output_follows(const bench *b, const patterns *p, const logic *l,
                           size_t t, size_t o, int *rises) {
   int from = l->level[p->transition[t].from * b->outputs + o];
@@ -181,7 +181,7 @@ static int output_follows(const bench *b, const patterns *p, const logic *l,
   return from >= 0 && *rises >= 0 && from != *rises;
 }
 
-/* List the transitions that an output follows. */
+/* List the transitions after which an output changes. */
 static void list_arrivals(bench *b, const patterns *p, const logic *l,
                           delays *d) {
   size_t all = 0;

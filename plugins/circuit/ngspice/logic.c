@@ -7,7 +7,7 @@
 
 #include "bench.h"
 
-enum { CHUNK = 64 }; /* patterns per process */
+enum { CHUNK = 64 }; /* number of patterns per process */
 
 /* Test current in A per um of channel width at an output, directed to half the
    supply. The current is far above leakage (0.2 uA) and far below drive

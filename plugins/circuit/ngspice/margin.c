@@ -10,7 +10,7 @@
 
 #include "bench.h"
 
-enum { CHUNK = 8 }; /* cells per process */
+enum { CHUNK = 8 }; /* number of cells per process */
 
 /* ---- squares ---- */
 

@@ -5,9 +5,9 @@
 
 /* ---- reference: noise margins by squares ---- */
 
-/* For each point of one curve, the square whose opposite corner is on the other
-   curve is found by bisection. `f` decreases with x, `g` with y. Both curves
-   have n equidistant points. */
+/* The largest square is found by bisection: for each point of one curve, find
+   the square whose opposite corner is on the other curve. `f` decreases with x,
+   `g` with y. Both curves have n equidistant points. */
 static double at(const double *curve, size_t n, double step, double x) {
   double place = x / step;
   size_t i = place < 0 ? 0 : (size_t)place;
@@ -68,7 +68,8 @@ static char *memory_deck(const char *card, const char *word, const char *data,
       "l=65n\n.ends\n"
       /* Q as a function of QB, QB as a function of Q */
       "x1 in q0 s left\nx2 in qb0 s right\n"
-      /* Q high and Q low, with noise of the opposite sign. */
+      /* One cell holds Q high and the other Q low, with noise of the opposite
+         sign. */
       "x3 g1 q1 s left\nx4 g2 qb1 s right\n"
       "e1 g1 qb1 n 0 1\ne2 q1 g2 n 0 1\n.nodeset v(q1)=1.1 v(qb1)=0\n"
       "x5 g3 q2 s left\nx6 g4 qb2 s right\n"

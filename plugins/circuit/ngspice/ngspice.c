@@ -196,7 +196,7 @@ static int run_states(bench *b, const char *net, opc_error *error) {
 
 /* ---- work: memory ---- */
 
-/* Keep only the cell with the requested storage node. */
+/* Discard all cells except the cell with the requested storage node. */
 static int pick_cell(const bench *b, cell *cells, size_t *count,
                      opc_error *error) {
   if (!b->cell) return OPC_OK;
@@ -346,8 +346,10 @@ static const opc_parameter parameters[] = {
         .preset = "hold",
         .summary = "state of the access transistors of memory cells: off "
                    "(hold) or conducting (read); bit lines are at the supply"),
-    OPC_PARAMETER(bench, picture, .type = OPC_OUTPUT, .preset = "circuit.png",
-                  .summary = "waveforms or butterfly, .png, .svg or .pdf"),
+    OPC_PARAMETER(
+        bench, picture, .type = OPC_OUTPUT, .preset = "circuit.png",
+        .summary =
+            "picture of the waveforms or butterfly curves, .png, .svg or .pdf"),
     OPC_PARAMETER_NAMED(
         "time_limit", bench, limit, .type = OPC_REAL, .unit = "s",
         .former = "limit", .flags = OPC_ABOVE | OPC_AT_MOST | OPC_NO_EFFECT,
@@ -425,7 +427,8 @@ static int circuit_check(void *self, opc_error *error) {
 
 /* ---- entry ---- */
 
-/* Models may include other files, and the simulator is another program. */
+/* Results are not stored, because models may include other files and the
+   simulator is another program. */
 static const opc_step functions = {.run = circuit_run,
                                    .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(bench, .id = "circuit.ngspice", .kind = "step", .version = "0.2.0",

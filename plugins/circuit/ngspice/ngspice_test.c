@@ -100,7 +100,7 @@ static void test_estimate(void) {
 /* ---- delays by hand ---- */
 
 static const char *const drives[4][3] = {
-    /* inputs, A, B; 20 ps to 40 ps */
+    /* transitions of the inputs A and B, from 20 ps to 40 ps */
     {"A 0>1, B 1", "pwl(0 0 20p 0 40p 1.1)", "1.1"},
     {"A 1, B 0>1", "1.1", "pwl(0 0 20p 0 40p 1.1)"},
     {"A 1>0, B 1", "pwl(0 1.1 20p 1.1 40p 0)", "1.1"},
@@ -286,7 +286,8 @@ static void test_leakage(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
   g_autoptr(made) m = circuit_make("A:i B:i Y:o VDD:s VSS:g", NAND);
-  m->off[1][0] = 62; /* differs from the length of the on current */
+  m->off[1][0] = 62; /* the length of the off current differs from that of the
+                        on current */
   m->leq[1][0] = 80;
   circuit_run(m, 1, card, "measure: leakage");
   g_assert_cmpuint(opc_test_rows("leakage"), ==, 4);
@@ -349,7 +350,7 @@ static void test_patterns(void) {
   g_assert_cmpstr(opc_test_log(), ==, "");
   circuit_run(m, 0, card, "most: 5, measure: delays");
   g_assert_nonnull(strstr(opc_test_log(), "5 random transitions"));
-  /* Too many to list: sampled one by one. */
+  /* There are too many transitions to list, so they are sampled one by one. */
   circuit_run(m, 0, card, "most: 3");
   g_assert_cmpuint(opc_test_rows("leakage"), ==, 6);
   /* The other port is now an output and never changes. */
@@ -418,8 +419,9 @@ static void test_library(void) {
   g_string_append(lib, ".endl\n");
   g_assert_true(g_file_set_contents(path, lib->str, -1, NULL));
   g_autoptr(made) m = circuit_make("A:i Y:o VDD:s VSS:g", INVERTER);
-  m->leq[1][0] = m->off[1][0] = 66.7; /* in the other bin */
-  m->leq[1][1] = m->off[1][1] = 58;   /* shorter than the shortest bin */
+  m->leq[1][0] = m->off[1][0] = 66.7; /* this length is in the other bin */
+  m->leq[1][1] = m->off[1][1] = 58;   /* this length is shorter than the
+                                         shortest bin */
   circuit_run(m, 1, card, "load: 4 fF, measure: delays, dlc: false");
   double tp = opc_test_metric("tp"), worst = opc_test_metric("tp_worst");
   circuit_run(
@@ -428,7 +430,7 @@ static void test_library(void) {
   g_assert_cmpfloat(worst, >, 1);
   g_assert_cmpfloat_with_epsilon(opc_test_metric("tp"), tp, 1e-5 * tp);
   g_assert_cmpfloat_with_epsilon(opc_test_metric("tp_worst"), worst, 1e-3);
-  /* A model missing in the library. */
+  /* Test a model that the library lacks. */
   m->device[0].model = "other_nfet";
   assert_refused(m, 0, path, "corner: tt, pmos: pfet",
                  "*has no model 'other_nfet'*");
@@ -491,7 +493,7 @@ static void test_before(void) {
       strstr(opc_test_log(), "the circuit as drawn has no results"));
   g_assert_true(isnan(opc_test_metric("tp_worst_before")));
   g_assert_cmpfloat(opc_test_metric("tp_worst"), <, 1e-6);
-  m->leq[0][0] = 2; /* shorter than the simulator accepts */
+  m->leq[0][0] = 2; /* the length is shorter than the simulator accepts */
   circuit_run(m, 1, card, "measure: auto");
   g_assert_cmpfloat(opc_test_metric("tp_worst"), <, 1e-6);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Measures delays of sequential circuits in traversals through their states. A
+/* Measures delays of sequential circuits along traversals of their states. A
    traversal measures several transitions in sequence. */
 #include <glib.h>
 #include <stdio.h>
@@ -7,7 +7,7 @@
 
 #include "bench.h"
 
-enum { FLIPS = 8 }; /* transitions measured per traversal */
+enum { FLIPS = 8 }; /* number of transitions measured per traversal */
 
 /* Relative tolerance, and option `trtol` (default 7) of the simulator.
    Tolerances of charges and currents alone limit the time steps. Compared with

@@ -179,7 +179,7 @@ static void run_job(bench_task *j) {
 
 /* ---- the map ---- */
 
-/* Machine under construction, with growing arrays. */
+/* A finite-state machine under construction, with growing arrays. */
 typedef struct map {
   bench *b;
   machine *m;
@@ -226,7 +226,8 @@ static void put_down(map *a, const trip *seen) {
   }
   if (seen->target == STATE_UNKNOWN) return;
   uint32_t *next = &m->next[seen->target * inputs + seen->input];
-  /* The recorded path no longer leads to the target state. */
+  /* The recorded path no longer leads to the target state, so this transition
+     is not unique. */
   if (*next == STATE_UNKNOWN) *next = STATE_LOST;
 }
 

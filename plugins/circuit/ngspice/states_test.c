@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Sequential circuits: transitions are compared with the functions of latches
-   and flip-flops, delays with hand-written sequences run by plain ngspice. */
+/* Tests sequential circuits: transitions against the functions of latches and
+   flip-flops, delays against hand-written sequences run by plain ngspice. */
 #include "circuit_test.h"
 
 /* Clocked inverter: Y is held while EN is 0 and its complement ENB is 1. */
@@ -71,8 +71,8 @@ static void test_crossed(void) {
                           "output 'QN' does not change for the tried inputs"));
 }
 
-/* A node that can be set but not reset stays set; the states before are not
-   recurrent. */
+/* A node that can be set but not reset stays set; the states before the node is
+   set are not recurrent. */
 static void test_once(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");

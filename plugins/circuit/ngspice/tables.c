@@ -128,7 +128,8 @@ static int put_deviations(const bench *b, const deviations *d, size_t row,
 
 enum { TR, TF, TPLH, TPHL, TP, QUANTITIES };
 
-/* Return 1 if an arrival belongs to a quantity; tp includes both directions. */
+/* Return 1 if an arrival belongs to a quantity; the quantity tp includes both
+   directions. */
 static int is_of(const arrival *a, int quantity) {
   return quantity == TP || a->rises == (quantity == TR || quantity == TPLH);
 }

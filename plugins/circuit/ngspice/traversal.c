@@ -104,8 +104,8 @@ static int is_end(const machine *m, size_t inputs, size_t s) {
   return 1;
 }
 
-/* Moves from one strongly connected set of states to a set that follows, until
-   no other set follows. */
+/* Replace the set of states by a strongly connected set that is reached from
+   it, until no other set can be reached. */
 void states_leading_to(const bench *b, const machine *m, uint8_t *kept) {
   const size_t inputs = b->inputs;
   g_autofree uint8_t *before = g_new(uint8_t, m->states);
@@ -169,7 +169,8 @@ static int go_on(const machine *m, size_t inputs, const GArray *sequence,
   return 1;
 }
 
-/* Merges states pair by pair (D. Eppstein, SIAM J. Comput. 19, 1990). */
+/* Lead pairs of states to one state, pair by pair (D. Eppstein, SIAM J. Comput.
+   19, 1990). */
 int traversal_synchronise(const bench *b, const machine *m, traversal *w) {
   const size_t inputs = b->inputs;
   g_autoptr(GArray) set = g_array_new(FALSE, FALSE, sizeof(uint32_t));

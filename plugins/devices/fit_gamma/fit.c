@@ -56,7 +56,7 @@ static void fitted_init(fitted *f, size_t points) {
 typedef struct search {
   const sample *sample;
   double *x, *y;    /* regressor and target of each transistor */
-  double amplitude; /* optimum amplitude at the last decay length */
+  double amplitude; /* optimum amplitude at the last tried decay length */
 } search;
 
 /* Return the sum of squares with the optimum amplitude, within its bound. */

@@ -7,11 +7,11 @@
 
 /* ---- reference.c ---- */
 
-enum { REFERENCE_NODES = 256 }; /* slices per transistor */
+enum { REFERENCE_NODES = 256 }; /* number of slices per transistor */
 
 typedef struct transistor {
   int type;
-  double width;   /* nm */
+  double width;   /* width of the active, nm */
   double *length; /* from one active edge to the other, nm */
   size_t lengths;
   double current[EDA_CURRENTS]; /* A; NAN: not given */
@@ -41,8 +41,8 @@ typedef struct sample {
   const transistor **transistor;
 } sample;
 
-/* Gamma at increasing distances from the edge, linear in between. Points of an
-   edge term, 1 + amplitude exp(-edge / decay), are dense. */
+/* Gamma at increasing distances from the edge, linear in between. An edge term,
+   1 + amplitude exp(-edge / decay), is stored as dense points. */
 typedef struct fitted {
   double amplitude, decay; /* NAN for a table */
   size_t points;

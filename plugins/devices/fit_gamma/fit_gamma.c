@@ -48,7 +48,7 @@ static int fit_all(fitter *f, opc_error *error) {
   return code;
 }
 
-/* Write the table for extractor.gamma. The table has a single width, whose
+/* Write the table for extractor.gamma. The table contains only one width; its
    value has no effect. */
 static int write_table(const fitter *f, opc_error *error) {
   const char *path = f->host->output_path(f->host, f->table, error);

@@ -100,7 +100,7 @@ static void test_ends(void) {
     g_assert_cmpfloat(fabs(slope->ion[t][1] / slope->ion[t][2] / step - 1), <,
                       1e-5);
     g_assert_cmpfloat(more->ion[t][0], >, more->ion[t][1]);
-    /* The logarithm of the model is not linear. */
+    /* The logarithm of the model's current is not linear in the length. */
     g_assert_cmpfloat(fabs(more->ion[t][0] / slope->ion[t][0] - 1), >, 1e-3);
   }
   eda_devices_free(cut);
@@ -174,7 +174,7 @@ static void test_osdi(void) {
   for (int t = 0; t < 2; t++)
     for (size_t i = 0; i < 3; i++) {
       double on = 1 / d->length[i] * (1e-3 / 2 * 0.6 * 0.6 + 1e-9);
-      double off = 1 / d->length[i] * 1e-9; /* per nm */
+      double off = 1 / d->length[i] * 1e-9; /* leakage per nm of width */
       g_assert_cmpfloat(fabs(d->ion[t][i] / on - 1), <, 2e-6);
       g_assert_cmpfloat(fabs(d->ioff[t][i] / off - 1), <, 2e-6);
     }
@@ -287,8 +287,9 @@ typedef struct process {
   const char *model[2], *flavour[2];
   double supply;               /* V */
   double unit;                 /* unit of sizes in the decks, nm */
-  double length[2], width[2];  /* range of gates, nm: from, to */
-  double abstol[EDA_CURRENTS]; /* A: accuracy of the models */
+  double length[2], width[2];  /* range of gate sizes (from, to), nm */
+  double abstol[EDA_CURRENTS]; /* current tolerances, A: the accuracy of the
+                                  models */
 } process;
 
 /* Lengths and widths of the cells, and 10 % beyond; for SkyWater, only sizes

@@ -33,27 +33,29 @@ typedef struct plan {
   int ends;
   opc_reals width_list;
   opc_map overrides;
-  double supply, temperature, width; /* V, C, nm */
+  double supply, temperature, width; /* supply voltage, V; temperature, C;
+                                        width, nm */
   double from, to, step;
   opc_reals list;
   bias bias[QUANTITIES]; /* CGATE: final gate voltage of the swing */
   int with_cgate;
   double reference_length, reference_width;    /* NAN: none */
   const char *name, *file, *picture, *flavour; /* NULL: not given */
-  double limit;                                /* s */
+  double limit;                                /* time limit of the simulator,
+                                                  s */
   char *path[TYPES];  /* absolute paths of the cards or the library */
   eda_models *models; /* NULL: cards */
   size_t count;
-  double *length; /* increasing */
+  double *length; /* [count], increasing lengths */
   size_t widths;
-  double *each_width; /* increasing; the last is `width` */
+  double *each_width; /* [widths], increasing widths; the last one is `width` */
 } plan;
 
 typedef struct currents {
-  /* values by [width * count + length] */
+  /* measured values, [width * count + length] */
   double *at[TYPES][QUANTITIES];
   double reference[TYPES][QUANTITIES];
-  char simulator[32]; /* "ngspice-39" */
+  char simulator[32]; /* version of the simulator, such as "ngspice-39" */
   size_t first;       /* first length of the table, index in plan.length */
   /* First length simulated at all widths; shorter lengths are extrapolated. */
   size_t simulated[TYPES];
@@ -81,7 +83,7 @@ int simulate(const plan *p, currents *out, opc_error *error);
 
 /* ---- table.c ---- */
 
-/* Describe the extrapolated part of the table in `text`. Returns FALSE if
+/* Describe the extrapolated part of the table in `text`. Return FALSE if
    nothing is extrapolated. */
 int table_extended(const plan *p, const currents *c, char *text,
                    size_t capacity);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Cards with known results, hand-written decks run by plain ngspice, and
-   results of extractor.plain with the computed table. */
+/* Tests tables against cards with known results, hand-written decks run by
+   plain ngspice, and results of extractor.plain with the computed table. */
 #include <eda/devices.h>
 #include <eda/extractor.h>
 #include <math.h>
@@ -144,7 +144,7 @@ static void test_own_card(void) {
   if (!want) g_error("%s", error.message);
   for (int t = 0; t < 2; t++) {
     double on = 0, off = 0;
-    size_t skip = want->count - d->count; /* both end at 120 nm */
+    size_t skip = want->count - d->count; /* both tables end at 120 nm */
     for (size_t i = 0; i < d->count; i++) {
       size_t k = i + skip;
       g_assert_cmpfloat(d->length[i], ==, want->length[k]);
@@ -185,7 +185,7 @@ static void test_clamped(void) {
   g_assert_cmpfloat(d->length[0], ==, shortest);
   g_assert_cmpfloat(d->length[d->count - 1], ==, 120);
   eda_devices_free(d);
-  /* The same range, but the simulator fails at the next length. */
+  /* Here the range is the same, but the simulator fails at the next length. */
   if (run_step(card,
                "nmos: n, pmos: p, supply: 1 V, "
                "length: { list: [60 nm, 90 nm, 100 nm, 120 nm] }",

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Simulates the transistors. Model card: one transistor in a circuit, whose
-   length is changed from the longest to the shortest. Results before a failure
-   of the card are kept. Library, whose bins and expressions depend on L and W:
-   one circuit with a transistor for each length. */
+/* Simulates the transistors. A model card is simulated with one transistor,
+   whose length is changed from the longest to the shortest; results before a
+   failure of the card are kept. In a library, bins and expressions depend on L
+   and W, so one circuit has a transistor for each length. */
 #include <eda/memory.h>
 #include <eda/simulator.h>
 #include <glib.h>
@@ -388,7 +388,8 @@ static int check_reference(const simulation_task *j, opc_error *error) {
 static int go_narrower(const simulation_task *j, opc_error *error) {
   const double part = 1.1;
   const plan *p = j->p;
-  const simulation_task *row = j - j->width; /* of the narrowest */
+  const simulation_task *row = j - j->width; /* values of the narrowest
+                                                simulated width */
   size_t a = 0, b;
   while (a < p->widths && row[a].narrower) a++;
   for (b = a + 1; b + 1 < p->widths; b++)

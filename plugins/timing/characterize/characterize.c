@@ -79,7 +79,7 @@ static int find_figures(study *s, eda_timing_cell *c, int *kept,
   int code = *kept ? OPC_OK : cell_measure(s, c, error);
   if (!code && !*kept) keep_save(s, key, c->figure, c->figures);
   if (!code) code = pairs_find(s, c, key, error);
-  /* The simulated values belong to one of r->times identical circuits in
+  /* The simulated values belong to one of the r->times identical circuits in
      parallel. */
   const size_t pins = c->inputs * 2 * EDA_CAPS,
                all = pins * (1 + c->bundles * (size_t)EDA_SIZES),
@@ -310,7 +310,8 @@ static int characterize_check(void *self, opc_error *error) {
 /* ---- entry ---- */
 
 static const opc_port ports[] = {EDA_PORT_TIMING("timing")};
-/* The step runs ngspice, and netlists may include other files. */
+/* Results of the step are not stored, because netlists may include other files
+   and ngspice is another program. */
 static const opc_step functions = {OPC_OUTPUTS(ports), .run = characterize_run,
                                    .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(study, .id = "timing.characterize", .kind = "step",

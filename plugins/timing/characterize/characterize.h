@@ -13,7 +13,7 @@
 typedef struct part {
   uint8_t type;
   uint32_t drain, gate, source, bulk;
-  double length, width; /* nm, of one transistor */
+  double length, width; /* size of one of the merged transistors, nm */
   uint32_t count;
   uint32_t place;  /* temporary, for sorting */
   uint64_t colour; /* hash of the position in the circuit, independent of the
@@ -65,7 +65,7 @@ static inline const circuit *circuit_of(const study *s,
   return &s->circuit[c - s->timing->cell];
 }
 
-/* Sizes of each part that affect an arc. */
+/* Return, for each part, the set of sizes that affect an arc. */
 enum { NO_SIZE, WIDTH_ONLY, ALL_SIZES };
 void arc_sizes(const eda_timing_cell *c, const circuit *r,
                const eda_timing_arc *a, uint8_t *sizes);
@@ -85,7 +85,8 @@ typedef struct copy {
   double load;
   const double *change; /* ln of size ratio, [bundle * EDA_SIZES + size]; NULL:
                            drawn sizes */
-  double delay, slew;   /* expected, then measured; 0: unknown */
+  double delay, slew;   /* delay and slew: expected before the run, measured
+                           after the run; 0: unknown */
   double capacitance[EDA_CAPS];
   /* If `two`, a second input changes; its number, its slew, s, and the time by
      which it follows the first input, s. */
@@ -115,7 +116,7 @@ typedef struct deck {
 } deck;
 
 /* Simulate `count` decks in parallel, each until every output has settled, and
-   count the copies in s->simulated. Returns the first error. */
+   count the copies in s->simulated. Return the first error. */
 int decks_run(study *s, deck *decks, size_t count, opc_error *error);
 /* Free the copies of the decks and set *count to 0. */
 void decks_clear(deck *decks, size_t *count);
@@ -124,8 +125,8 @@ void decks_clear(deck *decks, size_t *count);
 
 int cell_measure(study *s, eda_timing_cell *c, opc_error *error);
 
-/* Errors of linear size changes at random points: delay and slew, % of the
-   value. */
+/* Errors of the tables at random points with changed sizes: delay and slew, %
+   of the value. */
 typedef struct verdict {
   size_t points;
   double delay_rms, delay_max, slew_rms, slew_max, change_rms;

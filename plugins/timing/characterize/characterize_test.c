@@ -371,8 +371,8 @@ static void test_fingers(void) {
   eda_timing_free(t);
 }
 
-/* Simulate aoi21 as A rises and Z falls. B1 is 0, so M2 is off; B2 is 1, so M3
-   connects its capacitance. */
+/* Simulate aoi21 while A rises and Z falls. B1 is 0, so M2 is off; B2 is 1, so
+   M3 connects its capacitance. */
 static double off_by_hand(double w2, double l2, double w3) {
   double delay, slew;
   g_autofree char *devices = g_strdup_printf(

@@ -14,7 +14,7 @@
    run; the last takes 64 times the expected time. */
 enum { TRIES = 7 };
 
-static const double start = 2e-12; /* s, start of the input ramps */
+static const double start = 2e-12; /* start of the input ramps, s */
 
 /* Relative height above which an output has switched. */
 static const double arrived = 0.97;
@@ -294,7 +294,7 @@ static span span_of(const deck *d) {
   return best;
 }
 
-/* Simulate once. Returns the number of copies whose outputs do not settle. */
+/* Simulate once. Return the number of copies whose outputs do not settle. */
 static size_t run_once(deck *d, const char *text, span of) {
   char command[120];
   eda_spice_result r = {0};

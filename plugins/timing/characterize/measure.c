@@ -9,8 +9,8 @@
 #include "characterize.h"
 
 enum {
-  SOME = 48,  /* approximate copies per run; more share time steps but take
-                 longer */
+  SOME = 48,  /* approximate number of copies per run; more copies share time
+                 steps, but take longer */
   FEW = 12,   /* a run with fewer copies also includes copies of the next load;
                  starting a run takes 20 ms */
   POINTS = 3, /* points of the grid with size changes */
@@ -206,7 +206,8 @@ static size_t sides_of(const eda_timing_cell *c) {
   return patterns_of(c) > SIDES ? SIDES : patterns_of(c);
 }
 
-/* Add a pin in one direction for all patterns of the other inputs. */
+/* Plan the measurement of an input pin in one direction, for all patterns of
+   the other inputs. */
 static void plan_pin(plan *p, size_t i, int rises) {
   const eda_timing_cell *cell = p->cell;
   const size_t n = changes_of(p), every = patterns_of(cell) / sides_of(cell);

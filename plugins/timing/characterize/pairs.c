@@ -12,7 +12,7 @@
 #include "characterize.h"
 
 enum {
-  SLOWEST = 20, /* largest tabulated slew, in delays */
+  SLOWEST = 20, /* largest tabulated slew, relative to the delay */
   SOME = 48,
   MIDDLE = 2,
   POINTS = 5 * EDA_TIMING_GAPS

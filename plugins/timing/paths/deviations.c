@@ -21,7 +21,8 @@ enum {
 
 typedef struct block {
   size_t count, capacity;
-  arrival *arrival; /* [delay * states + state] */
+  arrival *arrival; /* arrival of each delay and set of sizes, [delay * states +
+                       state] */
 } block;
 
 typedef struct work {
@@ -279,7 +280,7 @@ static void find_range(const delays *d, size_t states, double *low,
     *high = fmax(*high, x[n - 1 - n / OUTLIERS]);
   }
   free(x);
-  if (!(*low <= *high)) *low = *high = 0; /* no delay is compared */
+  if (!(*low <= *high)) *low = *high = 0; /* no delay was compared */
   double margin = fmax(least_beside, beside * (*high - *low));
   *low -= margin;
   *high += margin;

@@ -160,7 +160,8 @@ static int paths_check(void *self, opc_error *error) {
 
 /* ---- entry ---- */
 
-/* The step runs ngspice, and the netlist may include other files. */
+/* Results of the step are not stored, because the netlist may include other
+   files and ngspice is another program. */
 static const opc_step functions = {.run = paths_run, .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(paths, .id = "timing.paths", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",

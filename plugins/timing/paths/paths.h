@@ -15,7 +15,7 @@ enum { SINGLE, SEVERAL };
 /* Transition of a net. The transitions of a net alternate, starting from
    `level`. */
 typedef struct event {
-  double time, slew; /* ps */
+  double time, slew; /* time and slew, ps */
   uint64_t path;     /* hash of the nets on the path of the event */
 } event;
 
@@ -41,9 +41,9 @@ typedef struct paths {
   eda_pool pool;
   graph graph;
   size_t states;
-  state *state; /* [0] as drawn */
+  state *state; /* sets of sizes; [0] as drawn */
   size_t patterns;
-  int all; /* 1: all transitions, 0: random ones */
+  int all; /* 1: all transitions; 0: random transitions */
 } paths;
 
 /* ---- sizes.c ---- */
@@ -83,7 +83,7 @@ void waves_clear(waves *w);
    w->after). */
 void waves_run(waves *w, const state *s);
 
-/* Traversal of the input events of a node in order of time. */
+/* State of a traversal of the input events of a node, in order of time. */
 typedef struct merge {
   const waves *w;
   const node *n;
@@ -92,7 +92,7 @@ typedef struct merge {
   uint32_t end[EDA_TIMING_INPUTS];
 } merge;
 
-/* Start a traversal. Returns 1 if any input changes. */
+/* Start a traversal. Return 1 if any input changes. */
 int merge_init(merge *m, const waves *w, const node *n);
 /* Return the input that changes next, the first one of simultaneous changes;
    -1: none. */

@@ -75,10 +75,10 @@ static void test_pulse(void) {
                 &error);
     double wire = slow ? 0 : 4e-15, z = slow ? 20e-15 : 0.1e-15;
     double up[2] = {0, 8e-12}, down[2] = {0, 8e-12};
-    delay_step(t, 1, 0, 2, z, up); /* a rises while n is 1: z falls */
+    delay_step(t, 1, 0, 2, z, up); /* a rises while n is 1, so z falls */
     delay_step(t, 0, 0, 0, pin_load + wire, down);
     int passes = down[0] >= up[0];
-    delay_step(t, 1, 1, 3, z, down); /* n falls: z rises */
+    delay_step(t, 1, 1, 3, z, down); /* n falls, so z rises */
     g_assert_cmpint(passes, ==, !slow);
     g_assert_cmpuint(opc_test_rows("events"), ==, slow ? 2 : 4);
     for (size_t i = 0; i < opc_test_rows("events") && !slow; i++) {
@@ -87,7 +87,7 @@ static void test_pulse(void) {
       close_to(opc_test_number("events", "time", i),
                1e12 * (rises ? down : up)[0], 6e-4);
     }
-    /* The final level of z equals the initial level, so only y has a delay. */
+    /* The final level of z equals its initial level, so only y has a delay. */
     close_to(opc_test_metric("delays"), 2, 0);
     eda_timing_free(t);
   }
@@ -179,7 +179,7 @@ static void test_others(void) {
   for (int swap = 0; swap < 2; swap++) {
     eda_timing *t = library();
     eda_timing_cell *c = &t->cell[0];
-    for (size_t k = 0; k < 2 * 18; k++) /* by ln of the length */
+    for (size_t k = 0; k < 2 * 18; k++) /* sensitivities to ln of the length */
       c->arc[k / 18].delay_by[k % 18] = k % 6 ? 0 : swap ? 200e-12 : 1e-12;
     leq[0] = leq[1] = 62;
     assert_good(run_paths(t, "a z y",
@@ -190,7 +190,9 @@ static void test_others(void) {
     close_to(opc_test_metric("delays"), 4, 0);
     close_to(opc_test_metric("others"), swap ? 2 : 0, 0);
     close_to(opc_test_number("paths", "others", 1), swap ? 2 : 0, 0);
-    if (swap) close_to(opc_test_metric("mean"), 0, 0); /* y: as drawn */
+    if (swap)
+      close_to(opc_test_metric("mean"), 0, 0); /* the delay of y is as
+                                                  drawn */
     g_assert_cmpint(opc_test_metric("mean") > 0, ==, !swap);
     g_assert_cmpfloat(opc_test_metric("longest"), >=, 0);
     /* The histogram contains all compared delays. */
@@ -279,8 +281,8 @@ static void test_refused(void) {
                  "is on a loop");
   assert_refused("a z", "XU1 a z VDD VSS INV\nM1 z a VSS VSS nmos w=1u l=1u\n",
                  "'M1' is a transistor");
-  /* Any file will do: the step does not read the file before the circuit is
-     needed. */
+  /* Any existing file is sufficient, because the step reads the file only when
+     it needs the circuit. */
   g_autofree char *more =
       g_strdup_printf(", spice: 1, models: %s/circuit.sp", opc_test_folder());
   refused_with("a z", "XU1 a z VDD VSS INV\n", more, "required by 'spice'");

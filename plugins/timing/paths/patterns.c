@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Input patterns: all transitions, or random ones. */
+/* Lists input patterns: all transitions, or random transitions. */
 #include <eda/random.h>
 #include <string.h>
 
@@ -10,7 +10,8 @@
 enum { COUNTED = 20 };
 
 /* The number of all transitions is m 2^m with one changing input and 4^m - 2^m
-   with several. All are used if no more than 'transitions'. */
+   with several. If this number is at most 'transitions', all transitions are
+   used. */
 void patterns_count(paths *p) {
   const size_t m = p->graph.inputs;
   size_t all = SIZE_MAX;

@@ -13,8 +13,8 @@
 
 enum { SIZES = 2, TRIES = 3 }; /* drawn sizes, sizes printed by the mask */
 
-static const double step = 0.5e-12; /* s, largest time step: delays within 0.1
-                                       % */
+static const double step = 0.5e-12; /* largest time step, s; delays are then
+                                       accurate to 0.1 % */
 
 typedef struct line {
   int64_t pattern;
@@ -224,7 +224,7 @@ static void run_one(void *data, size_t index) {
     eda_spice_clear(&result);
   }
   if (code) {
-    r->code = code; /* keeps one of several errors */
+    r->code = code; /* the last of several errors is kept */
     r->error = error;
   }
   free(text);

@@ -112,7 +112,7 @@ static void add_earlier(gate *g, size_t k) {
   uint32_t from = g->from ^ 1u << k, cause = 1u << g->cause;
   double gap = (g->by.time - e->time) / g->alone.delay;
   if (level_of(g, from) != level_of(g, g->from))
-    return; /* input k alone would have switched the output */
+    return; /* input k alone would have switched the output: it has no effect */
   if (!(g->alone.delay > 0)) return;
   const eda_timing_pair *p = find_pair(g, k, (size_t)g->cause, from);
   both other, f;

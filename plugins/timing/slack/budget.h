@@ -13,9 +13,9 @@ enum { LEVELS = 10 };
 typedef struct choice {
   uint32_t instance, bundle;
   uint32_t level, most;      /* 0 to LEVELS; most is 0 if the length is fixed */
-  double length[LEVELS + 1]; /* ln of length over drawn length, per level */
-  double leak[LEVELS + 1];   /* A, per level, mean over the input patterns of
-                                the circuit */
+  double length[LEVELS + 1]; /* ln(length / drawn length) at each level */
+  double leak[LEVELS + 1];   /* leakage at each level, A, mean over the input
+                                patterns of the circuit */
 } choice;
 
 /* Input of an instance on a net. */
@@ -31,7 +31,7 @@ typedef struct budget {
   choice *choice; /* choice of (instance, bundle): first[instance] + bundle */
   size_t *first;
 
-  /* State of a run; see budget_init. */
+  /* The members below are the state of a run, set by budget_init. */
   eda_pool pool;
   state sizes;
   int64_t *driver;   /* node that drives each net; -1: none */
@@ -56,11 +56,11 @@ double *budget_slack(const budget *b);
 /* Return the total leakage, A, mean over the input patterns. */
 double budget_leak(const budget *b);
 
-/* Set the levels. Starts with all choices at their largest level. While the
-   latest path exceeds the limit, lowers the choice on this path with the
-   largest delay reduction per added leakage (the inverse of Fishburn and
-   Dunlop, TILOS, ICCAD 1985). Then raises each choice as far as the limit
-   allows. Returns 0 if even the drawn lengths exceed the limit. */
+/* Set the levels. Start with all choices at their largest level. While the
+   latest path exceeds the limit, lower the choice on this path with the largest
+   delay reduction per added leakage (the inverse of Fishburn and Dunlop, TILOS,
+   ICCAD 1985). Then raise each choice as far as the limit allows. Return 0 if
+   even the drawn lengths exceed the limit. */
 int budget_spend(budget *b);
 
 /* ---- static_leakage.c ---- */

@@ -23,12 +23,14 @@ typedef struct slack {
   const eda_circuit *circuit;
   const char *file, *top, *devices;
   conditions at;
-  double ion, limit, clock, weight; /* %, %, s, 1 */
+  double ion, limit, clock, weight; /* ion and limit, %; clock, s; weight,
+                                       relative */
   eda_curves curves;
 } slack;
 
 static const size_t NO_CHOICE = SIZE_MAX;
-static const double NEVER = -1; /* marks a choice whose length is fixed */
+static const double NEVER = -1; /* value of the largest increase for a choice
+                                   whose length is fixed */
 
 /* State of a run. */
 typedef struct slack_task {
@@ -132,7 +134,7 @@ static void free_gates(void *object) {
 
 static void free_circuit(void *object) { free(object); }
 
-/* Return the length increase of a gate, ln. */
+/* Return the length increase of a gate, ln(length / drawn length). */
 static double gate_increase(const slack_task *j, size_t gate) {
   if (j->of[gate] == NO_CHOICE) return 0;
   const choice *c = &j->budget.choice[j->of[gate]];
@@ -343,12 +345,12 @@ static const opc_parameter parameters[] = {
                   .min = 0, .max = 50,
                   .summary = "largest reduction of Ion allowed in exchange for "
                              "leakage"),
-    OPC_PARAMETER_NAMED("delay_limit", slack, limit, .type = OPC_REAL,
-                        .unit = "%", .former = "limit",
-                        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0 %",
-                        .min = -50, .max = 1000,
-                        .summary = "Largest allowed increase of the latest "
-                                   "path's delay over the drawn one"),
+    OPC_PARAMETER_NAMED(
+        "delay_limit", slack, limit, .type = OPC_REAL, .unit = "%",
+        .former = "limit", .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0 %",
+        .min = -50, .max = 1000,
+        .summary = "Largest allowed increase of the latest path's delay over "
+                   "that of the drawn circuit"),
     OPC_PARAMETER(
         slack, clock, .type = OPC_REAL, .unit = "s",
         .flags = OPC_ABOVE | OPC_AT_MOST, .min = 0, .max = 1,
@@ -385,7 +387,8 @@ static const opc_port outputs[] = {{.name = "gates",
                                     .check = eda_circuit_check,
                                     .release = free_circuit}};
 
-/* The netlist may include other files. */
+/* Results of the step are not stored, because the netlist may include other
+   files. */
 static const opc_step functions = {OPC_OUTPUTS(outputs), .run = slack_run,
                                    .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Circuits of inverters whose delays, currents and best lengths are known in
-   closed form or from exhaustive search. */
+/* Tests circuits of inverters whose delays, currents and best lengths are known
+   in closed form or from exhaustive search. */
 #include <eda/gates.h>
 #include <eda/memory.h>
 
@@ -16,7 +16,8 @@ static void assert_good(int code, const opc_error *error) {
 
 /* ---- devices: currents that fall exponentially with length ---- */
 
-static const double drop[2] = {0.02, 0.3}; /* Ion, Ioff */
+static const double drop[2] = {0.02, 0.3}; /* d ln I / dL of Ion and Ioff,
+                                              1/nm */
 static const double most_ion = 0.9;
 enum { STEPS = 10 };
 
@@ -124,7 +125,8 @@ static placed *place_all(size_t instances) {
 /* ---- delay of an inverter, ps, equal for all edges and slews ---- */
 
 static const double base = 10, by_own = 8,
-                    by_load = 2000;   /* ps, ps/ln, ps/pF */
+                    by_load = 2000;   /* delay, ps; its derivatives by ln L, ps,
+                                         and by load, ps/pF */
 static const double by_gate = 1.5e-3; /* pF/ln */
 
 /* Return a library whose delays depend on the length of the cell's n-transistor
@@ -314,7 +316,7 @@ static void test_all_combinations(void) {
       find_steps(p, both);
       for (size_t i = 0; i < s->count; i++) {
         step[i] = both[2 * i];
-        g_assert_cmpint(both[2 * i + 1], ==, STEPS); /* no cost */
+        g_assert_cmpint(both[2 * i + 1], ==, STEPS); /* no effect on delays */
       }
       double found = leak_of(s, step);
       close_to(opc_test_metric("leakage"), found, 1e-4);

@@ -2,11 +2,11 @@
 /* Charts: axes with round numbers and units, lines, dots, bands and colour
    maps.
 
-   gnuplot 5.4 would draw lines of equal quality, but needs 3.5 MB in five
-   Debian packages, and a script and a process of 0.05 s for each chart (here
-   0.03 s). It also writes the time into .pdf files, so that equal charts
-   differ. Pictures of layouts need cairo and most of this folder in any case.
- */
+   gnuplot 5.4, which draws lines of equal quality, is not used. It needs 3.5 MB
+   in five Debian packages. Each chart requires a script and a process of 0.05 s
+   (here 0.03 s). gnuplot also writes the time into .pdf files,
+   so that equal charts differ. Pictures of layouts need cairo and most of this
+   folder in any case. */
 #include <eda/drawing.h>
 #include <math.h>
 
@@ -17,7 +17,7 @@ enum { TICKS = 24 };
 void eda_axis_fit(eda_axis *a, const double *value, size_t n) {
   a->low = INFINITY, a->high = -INFINITY;
   for (size_t i = 0; i < n; i++) {
-    a->low = fmin(a->low, value[i]); /* fmin ignores NAN */
+    a->low = fmin(a->low, value[i]); /* fmin ignores NAN values */
     a->high = fmax(a->high, value[i]);
   }
 }
@@ -65,7 +65,7 @@ static size_t even_ticks(const eda_axis *a, double tick[TICKS]) {
   size_t n = 0;
   for (double i = ceil(a->low / step - 1e-9); n < TICKS; i++) {
     if (i * step > a->high + 1e-9 * range) break;
-    tick[n++] = i * step + 0.0; /* converts -0 to 0 */
+    tick[n++] = i * step + 0.0; /* the sum converts -0 to 0 */
   }
   return n;
 }

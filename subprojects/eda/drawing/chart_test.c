@@ -58,9 +58,9 @@ static void test_places(void) {
   /* A decade of the line is 50 pixels high and 80 wide. */
   g_assert_cmphex(pixel(s, 140, 325), ==, 0xff0000);
   g_assert_cmphex(pixel(s, 220, 275), ==, 0xff0000);
-  g_assert_cmphex(pixel(s, 300, 225), ==, 0xffffff); /* the gap */
+  g_assert_cmphex(pixel(s, 300, 225), ==, 0xffffff); /* the gap is white */
   g_assert_cmphex(pixel(s, 460, 125), ==, 0xff0000);
-  /* The frame is sharp and in ink. */
+  /* The frame is sharp and has the colour of ink. */
   g_assert_cmphex(pixel(s, 99, 333), ==, 0x202020);
   g_assert_cmphex(pixel(s, 98, 333), ==, 0xffffff);
   g_assert_cmphex(pixel(s, 500, 333), ==, 0x202020);

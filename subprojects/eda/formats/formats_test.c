@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Layer numbers; polygons that are divided or lose their holes; content of an
-   OASIS file. Further cases are in the tests of the readers and writers. */
+/* Tests layer numbers, the division of polygons, the removal of holes, and the
+   content of an OASIS file. Further cases are in the tests of the readers and
+   writers. */
 #include <eda/memory.h>
 #include <eda/oasis.h>
 #include <glib.h>
@@ -59,7 +60,7 @@ static void test_cut(void) {
   enum { TEETH = 100, N = 4 * TEETH + 2 };
   eda_point p[N];
   size_t n = 0;
-  for (int i = TEETH; i-- > 0;) { /* a comb, counter-clockwise */
+  for (int i = TEETH; i-- > 0;) { /* make a comb, counter-clockwise */
     p[n++] = (eda_point){20 * i + 20, 3};
     p[n++] = (eda_point){20 * i + 20, 13};
     p[n++] = (eda_point){20 * i + 10, 13};
@@ -79,7 +80,7 @@ static void test_cut(void) {
   g_assert_cmpint(eda_polygon_cut(p, n, &take, &e), ==, OPC_FAILED);
 }
 
-/* An island within a ring, each with a hole, and a plain box. */
+/* Test an island within a ring, each with a hole, and a plain box. */
 static void test_holes(void) {
   static const int sides[] = {0, 100, 10, 90, 20, 80, 30, 70, 200, 210};
   uint32_t start[6] = {0};

@@ -81,8 +81,8 @@ void eda_oasis_delta(eda_oasis *out, int64_t x, int64_t y) {
     eda_oasis_uint(out, ax << 4 | (x < 0 ? 2 << 1 : 0));
   } else if (x == 0) {
     eda_oasis_uint(out, ay << 4 | (y < 0 ? 3 << 1 : 1 << 1));
-  } else if (ax ==
-             ay) { /* north-east 4, north-west 5, south-west 6, south-east 7 */
+  } else if (ax == ay) { /* directions: north-east 4, north-west 5, south-west
+                            6, south-east 7 */
     uint64_t direction = y > 0 ? (x > 0 ? 4 : 5) : (x > 0 ? 7 : 6);
     eda_oasis_uint(out, ax << 4 | direction << 1);
   } else {

@@ -18,7 +18,7 @@ typedef struct oasis_step {
 } oasis_step;
 
 struct eda_oasis {
-  FILE *file;     /* NULL: nothing is written */
+  FILE *file;     /* NULL: bytes are only counted */
   uint64_t place; /* current offset in the file, bytes */
   uint32_t crc;   /* CRC-32 of all bytes written so far */
   uint8_t *bytes; /* bytes of the current block */

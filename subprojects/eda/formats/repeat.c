@@ -94,7 +94,7 @@ static size_t repetition_choose(const oasis_shape *s, size_t n, size_t *columns,
     *rows = regular_rows(s, n, *columns);
     if (*rows > 1 && *rows * *columns * 2 >= n) return *rows * *columns;
   }
-  *rows = 0; /* list of positions */
+  *rows = 0; /* the positions are listed */
   return n;
 }
 

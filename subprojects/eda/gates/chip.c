@@ -88,7 +88,8 @@ size_t eda_chip_find(const eda_chip *c, eda_box box) {
 }
 
 /* Convert a span from coordinates relative to [low, high] to absolute
-   coordinates; mirror the span if `flip` is set. To convert back, pass -low. */
+   coordinates; `flip`: 1: mirror the span. To convert from absolute to relative
+   coordinates, pass -low. */
 static void span_convert(int32_t low, int32_t high, int flip, int32_t *from,
                          int32_t *to) {
   int32_t a = *from, b = *to;

@@ -80,7 +80,8 @@ static void whole_make(whole *t) {
   /* Two rows, so that the order is by y, then by x. */
   for (int k = 0; k < GATES; k++)
     t->gate[k] = lying(k, 20 * (k % 4), 20 * (k / 4));
-  t->chip = (eda_chip){.layout = (const eda_layout *)t, /* unused */
+  t->chip = (eda_chip){.layout = (const eda_layout *)t, /* the layout is not
+                                                           used */
                        .grid = 1,
                        .layers = 2,
                        .layer = t->layer,
@@ -128,7 +129,7 @@ static void test_moved(void) {
   whole_make(&t);
   eda_box box[GATES + 1];
   for (int k = 0; k < GATES; k++) box[GATES - k] = t.gate[k].box;
-  box[0] = (eda_box){0, 0, 3, 5}; /* not in the chip */
+  box[0] = (eda_box){0, 0, 3, 5}; /* a box that is not in the chip */
   const eda_gates window = {.layers = 2, .count = GATES + 1, .box = box};
   eda_moved *to = eda_chip_moved(&t.chip, &window);
   g_assert_cmpint(to->w[0] | to->l[0] | to->end[0] | to->part[0].by, ==, 0);

@@ -10,7 +10,7 @@ enum { EDA_GATE_LENGTHS = 256 };
 /* A gate in coordinates [0] along L and [1] along W, nm. */
 typedef struct eda_gate {
   eda_printed_gate
-      shown; /* part visible to extractors; must be the first member */
+      shown; /* part that extractors see; must be the first member */
   const eda_field *poly, *active;
   int axis[2];
   double low[2], high[2], middle[2]; /* drawn edges */

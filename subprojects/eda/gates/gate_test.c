@@ -88,47 +88,52 @@ static double bump(double x, double y, double radius) {
 static double line(double l, double w) { return (void)w, within(l, 30); }
 static double stripe(double l, double w) { return (void)l, within(w, 150); }
 
-/* Active whose lower edge slopes down to the right by 0.2. */
+/* Return the level of an active whose lower edge slopes down to the right by
+   0.2. */
 static double sloped(double l, double w) {
   double low = -150 - 0.2 * l, half = (150 - low) / 2;
   return within(w - (150 + low) / 2, half);
 }
-/* Round active: a disk. */
+/* Return the level of a round active, a disk. */
 static double disk(double l, double w) { return within(hypot(l - 20, w), 90); }
 static double nothing(double l, double w) { return (void)l, (void)w, -1; }
 static double everything(double l, double w) { return (void)l, (void)w, 1; }
-/* Line with a round end at w = end, of constant length far from the end. */
+/* Return the level of a line with a round end at w = `end`, of constant length
+   far from the end. */
 static double rounded(double l, double w, double end) {
   return 1 - l * l / 900 - fmin(3, exp((end - w) / 40));
 }
 static double ended(double l, double w) { return rounded(l, w, -190); }
 static double ended_early(double l, double w) { return rounded(l, w, -120); }
-/* A line with a gap at w = 60. */
+/* Return the level of a line with a gap at w = 60. */
 static double gap(double l, double w) {
   return within(l, 30) - 2.2 * bump(0, w - 60, 40);
 }
-/* A line with about half the length at w = 60 (waist), or three times the
-   length at 0 (belly). */
+/* Return the level of a line with about half the length at w = 60 (waist), or
+   three times the length at 0 (belly). */
 static double waist(double l, double w) {
   return within(l, 30 - 14 * bump(0, w - 60, 40));
 }
 static double belly(double l, double w) {
   return within(l, 30 + 60 * bump(0, w, 60));
 }
-/* A line with a hole beside the middle, which splits the line into two
-   pieces. */
+/* Return the level of a line with a hole beside the middle, which splits the
+   line into two pieces. */
 static double hole(double l, double w) {
   return within(l, 30) - 1.6 * bump(l - 13, w - 60, 9);
 }
-/* An active of two islands, one of them in the middle. */
+/* Return the level of an active of two islands, one of which is in the
+   middle. */
 static double islands(double l, double w) {
   (void)l;
   return fmax(within(w, 60), within(w + 120, 20));
 }
-/* Edges beyond half of the space of 100 nm. */
+/* Return the level of a line whose edges are beyond half of the space of 100
+   nm. */
 static double fat(double l, double w) { return (void)w, within(l, 81); }
 
-/* One edge beyond half of the space of 100 nm, the other edge within. */
+/* Return the level of a line with one edge beyond half of the space of 100 nm
+   and the other edge within. */
 static double high(double l, double w) { return (void)w, within(l - 26, 55); }
 static double low(double l, double w) { return (void)w, within(l + 26, 55); }
 static double high_less(double l, double w) {
@@ -149,7 +154,8 @@ static void test_good(void) {
     r = gate_measure(ended, stripe, 400, across);
     g_assert_cmphex(r.flags & ~(uint32_t)EDA_PRINT_NOTES, ==, 0);
     g_assert_cmpfloat(fabs(r.extension[0] - 40), <, 0.05);
-    double want = 60 * sqrt(1 - exp(-1)); /* at the edge of the active */
+    double want = 60 * sqrt(1 - exp(-1)); /* expected length at the edge of the
+                                             active */
     g_assert_cmpfloat(fabs(r.length[0] - want), <, 0.05);
     g_assert_true(isinf(r.extension[1]));
   }

@@ -28,7 +28,7 @@ static double wave(double x) { return cos(2 * M_PI * x / period); }
 enum { SLICES = 5 };
 static const double place[SLICES] = {0.05, 0.25, 0.5, 0.8, 1};
 static const double share[SLICES] = {0.1, 0.3, 0.2, 0.3, 0.1};
-static int beyond_table; /* flag of its figures: beyond the table */
+static int beyond_table; /* 1: the extractor returns figures beyond the table */
 static double seen_length[SLICES], seen_width[SLICES], seen_edge[SLICES];
 
 static size_t slicing(const void *self, const double **p, const double **s) {
@@ -82,7 +82,7 @@ static result gate_measure(eda_field poly, eda_field active, uint8_t axis,
                      .extension = both};
   eda_field print[] = {poly, active};
   const opc_module module = {&keeper, NULL, "extractor.keeper"};
-  result r = {.outside = 1}; /* result of another image */
+  result r = {.outside = 1}; /* start with the result of another image */
   double *figure = r.figure;
   eda_measurement out = {&r.flags,
                          r.extension,
@@ -124,13 +124,13 @@ static void test_extension(void) {
   result r = gate_measure(poly, active, EDA_X, 400, 84);
   g_assert_cmpfloat(fabs(r.extension[0] - 54), <, 1e-3);
   g_assert_true(isinf(r.extension[1]));
-  g_assert_true(r.flags & EDA_PRINT_MERGED); /* no edge along x */
+  g_assert_true(r.flags & EDA_PRINT_MERGED); /* there is no edge along x */
   /* The poly ends 20 nm inside the active. */
   r = gate_measure(level(-wave(125), 0, 1), level(-wave(145), 0, 1), EDA_X, 400,
                    84);
   g_assert_cmpfloat(fabs(r.extension[0] + 20), <, 1e-3);
   g_assert_true(r.flags & EDA_PRINT_SHORT);
-  g_assert_true(r.flags & EDA_PRINT_OPEN); /* its outer slices */
+  g_assert_true(r.flags & EDA_PRINT_OPEN); /* the outer slices are open */
 }
 
 /* Figures beyond the device table are flagged. Figures of a gate that is no

@@ -19,7 +19,7 @@ static void test_lengths(void) {
   } all[] = {
       {&arf, "0.155 lambda/NA", 40},        {&krf, "0.155 lambda/NA", 55},
       {&iline, "0.155 lambda/NA", 94},      {&krf, "1 lambda/NA", 354},
-      {&krf, "0.5 lambda/NA^2", 253},       /* 506.1 / 2 */
+      {&krf, "0.5 lambda/NA^2", 253},       /* half of 506.1 */
       {&iline, "0.001 (lambda/NA)^2", 370}, /* 370069 nm^2 */
       {&arf, "0.0001 lambda/NA", 1}};
   for (size_t i = 0; i < G_N_ELEMENTS(all); i++)

@@ -195,8 +195,8 @@ static int print_one(void *data, size_t i, opc_error *error) {
   return print_layer(all->printer, layer, &all->mask[layer], all->fine, error);
 }
 
-/* Print the given layers; `fine`: only those without a fine simulation.
- *simulations counts them. */
+/* Print the given layers; `fine`: 1: only layers without an accurate level set.
+   Add the number of simulated layers to *simulations. */
 static int print_all(eda_printer *p, const uint8_t *layers,
                      const eda_shapes *mask, int fine, uint32_t *simulations,
                      opc_error *error) {

@@ -47,7 +47,7 @@ static void test_known(void) {
   const eda_box want = {200, 80, 250, 220}, line = {300, 300, 340, 480};
   field_fill((eda_box){0, 0, NX * STEP, NY * STEP}, 1);
   field_fill(want, -2);
-  field_fill((eda_box){280, 320, 300, 400}, -3); /* beside the line */
+  field_fill((eda_box){280, 320, 300, 400}, -3); /* a region beside the line */
   eda_box_list srafs = bars_search(&rule, &line);
   g_assert_cmpuint(srafs.count, ==, 1);
   g_assert_cmpmem(&srafs.box[0], sizeof want, &want, sizeof want);
@@ -129,7 +129,8 @@ static void test_narrow(void) {
   const eda_box start[] = {{50, 50, 90, 250}, {200, 50, 400, 80}};
   eda_field print = {frame, NX, NY, eda_alloc(NX * NY, sizeof(float))};
   for (int i = 0; i < NX * NY; i++) print.coefficients[i] = -0.1F;
-  print.coefficients[6 * NX + 29] = 2; /* at (295, 65) */
+  print.coefficients[6 * NX + 29] = 2; /* the coefficient of the node at (295,
+                                          65) */
   eda_box_list srafs = {0};
   eda_box_list_add(&srafs, start[0]);
   eda_box_list_add(&srafs, start[1]);

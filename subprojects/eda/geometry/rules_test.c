@@ -65,7 +65,7 @@ static void test_edges(void) {
   eda_rule_fault f;
   line(&d);
   g_assert_cmpuint(count_violations(&d, EDA_RULE_EDGE, 15, &f), ==, 3);
-  /* The bump is 15 nm long. */
+  /* The bump is 15 nm long (30 steps of 0.5 nm). */
   g_assert_cmpuint(count_violations(&d, EDA_RULE_EDGE, 15.5, &f), ==, 4);
   g_assert_cmpuint(count_violations(&d, EDA_RULE_EDGE, 5.5, &f), ==, 2);
   g_assert_cmpuint(count_violations(&d, EDA_RULE_EDGE, 4, &f), ==, 0);

@@ -11,8 +11,8 @@
 
 #define MAX_SHAPES ((uint64_t)1 << 28)
 /* Limit of traversed placements: STEPS_A_SHAPE for each shape plus STEPS_MORE.
-   A hostile file may have a thousand nested cells of one placement each; real
-   layouts nest a few. */
+   A hostile file may nest a thousand cells with one placement each; real
+   layouts nest only a few cells. */
 #define STEPS_A_SHAPE 8
 #define STEPS_MORE ((uint64_t)1 << 19)
 #define MAX_POINTS ((uint64_t)1 << 30)
@@ -188,7 +188,9 @@ static bool flattener_reserve(flattener *f, size_t n) {
 /* Remove the last shape if the shape, snapped to the grid, does not touch the
    window. */
 static void keep_touching(flattener *f, const flattener *before, size_t moved) {
-  if (f->outside) return; /* flattener_run reports the error */
+  if (f->outside)
+    return; /* flattener_run reports a coordinate outside of the
+               range */
   const eda_point *p = f->out->shapes.points + before->n_points;
   eda_box b = eda_bounds(p, f->n_points - before->n_points);
   if (eda_boxes_touch(b, *f->window)) return;
@@ -276,7 +278,7 @@ static void flattener_count(flattener *f) {
       steps =
           add_product(steps, members(in), f->steps[in->child], UINT64_MAX / 2);
     }
-    f->useful[n_useful++] = UINT32_MAX; /* end of the list */
+    f->useful[n_useful++] = UINT32_MAX; /* end of the list of instances */
     f->shapes[number] = shapes;
     f->points[number] = points;
     f->steps[number] = steps;

@@ -137,7 +137,7 @@ static void test_any_angle(void) {
   const eda_point b[] = {{0, 0}, {14, 14}, {-28, 57}, {-42, 42}};
   g_assert_cmpmem(out.shapes.points, sizeof b, b, sizeof b);
   g_assert_cmpuint(out.moved, ==, 3);
-  /* (0, 30) becomes (-42.43, 42.43) */
+  /* the point (0, 30) becomes (-42.43, 42.43) */
   g_assert_cmpfloat_with_epsilon(out.worst, 60 - 42 * sqrt(2), 1e-9);
   eda_flat_clear(&out);
   out = flat(&f, "C", 1);
@@ -159,11 +159,11 @@ static void test_halves(void) {
   eda_flat out = flat(&f, "A", 1);
   for (int i = -200; i < 200; i++) {
     const eda_point *p = out.shapes.points + 4 * (i + 200);
-    /* 188.5 + 13 i, and 13 more */
+    /* edges at 188.5 + 13 i and 13 further */
     g_assert_cmpint(p[0].x, ==, 189 + 13 * i);
     g_assert_cmpint(p[1].x, ==, 202 + 13 * i);
-    g_assert_cmpint(p[0].y, ==, 7);  /* 6.5 */
-    g_assert_cmpint(p[2].y, ==, 20); /* 19.5 */
+    g_assert_cmpint(p[0].y, ==, 7);  /* 6.5 is rounded up */
+    g_assert_cmpint(p[2].y, ==, 20); /* 19.5 is rounded up */
   }
   g_assert_cmpuint(out.vertices, ==, 1600);
   g_assert_cmpuint(out.moved, ==, 1600);
@@ -199,7 +199,7 @@ static void test_hundredths(void) {
 /* Expected results of flattening and of paths, from a simple algorithm. */
 typedef struct reference {
   GPtrArray *paths;
-  GArray *corners; /* a corner of each shape: eda_point */
+  GArray *corners; /* eda_point: one corner of each shape */
   GArray *placements;
 } reference;
 
@@ -351,7 +351,8 @@ static void test_against_recursion(void) {
   g_rand_free(rand);
 }
 
-/* Cells with texts only; a scale and a magnification; a layer without texts. */
+/* Test cells with texts only, a scale and a magnification, and a layer without
+   texts. */
 static void test_texts(void) {
   fixture f;
   opc_error e;
@@ -416,7 +417,7 @@ static void test_path(void) {
   tear_down(&f);
 }
 
-/* Thousands of levels; billions of shapes; circular placements. */
+/* Test thousands of levels, billions of shapes, and circular placements. */
 static void test_hostile(void) {
   fixture f;
   set_up(&f, 1);
@@ -431,7 +432,7 @@ static void test_hostile(void) {
   g_assert_cmpuint(out.shapes.count, ==, 1);
   g_assert_cmpint(out.shapes.points[0].x, ==, 19999);
   eda_flat_clear(&out);
-  /* 10^10 members, then more than 64 bits can count */
+  /* an array of 10^10 members; nested, more members than 64 bits can count */
   eda_placement many = {.columns = 100000, .rows = 100000};
   cell_place(&f, "many", "0", many, NULL);
   cell_place(&f, "more", "many", many, NULL);
@@ -446,7 +447,7 @@ static void test_hostile(void) {
              NULL);
   g_assert_cmpint(assert_refused(&f, "deep", "100 shapes, 400 points"), ==,
                   OPC_INVALID);
-  /* all of these are empty */
+  /* all of these placements are empty */
   cell_place(&f, "void", "hole", many, NULL);
   cell_place(&f, "voids", "void", many, NULL);
   out = flat(&f, "voids", 1);

@@ -55,7 +55,7 @@ typedef struct cell {
   size_t n_labels, capacity_labels;
   instance *instances;
   size_t n_instances, capacity_instances;
-  size_t polygons; /* number of polygons; valid if `numbered` */
+  size_t polygons; /* number of polygons; valid if eda_layout.numbered is 1 */
 
   /* Valid if `ordered`. placements: number of placements of the cell and all
      cells below, at most EDA_MANY; 0 if there are no shapes and texts.
@@ -85,7 +85,8 @@ struct eda_layout {
   /* Members below are computed on the first request after a change, under the
      lock. */
   GMutex lock;
-  int numbered, ordered; /* atomic */
+  int numbered, ordered; /* 1: `first` and `polygons` of all cells are valid; 1:
+                            the order is valid; atomic */
   int32_t
       *order; /* cell numbers, children before parents; valid if `ordered` */
   /* extents by layer (reach.h), of shapes [0] and texts [1]; NULL: not

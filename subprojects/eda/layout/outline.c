@@ -62,8 +62,8 @@ static void put_corner(outline *out, const outline_pass *w, vector at, vector d,
                        vector e, double shorter) {
   double h = w->half;
   double cross = d.x * e.y - d.y * e.x, dot = d.x * e.x + d.y * e.y;
-  double mitre =
-      h * fabs(cross) / (1 + dot); /* h tan(turn / 2); may be infinite */
+  double mitre = h * fabs(cross) / (1 + dot); /* length of the mitre, h tan(turn
+                                                 / 2); may be infinite */
   if (cross > 0 || (cross == 0 && !w->back)) {
     if (dot > -1e-9) {
       put_beside(out, at, d, mitre, h);

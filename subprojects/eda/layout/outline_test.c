@@ -126,7 +126,7 @@ static void test_any_angle(void) {
   g_assert_cmpuint(n, ==, 10);
   g_assert_cmpfloat_with_epsilon(area(q, n) / (100000 * length), 1, 1e-4);
   free(q);
-  /* round: half a polygon of 32 sides at each end */
+  /* round ends: half a polygon of 32 sides at each end */
   q = outline(p, 5, 100000, 1, 0, 0, &n);
   double round = 16 * sin(G_PI / 16) * 50000 * 50000;
   g_assert_cmpfloat_with_epsilon(area(q, n), 100000 * length + round, 1e7);
@@ -180,7 +180,8 @@ static void test_odd_width(void) {
 static void test_degenerate(void) {
   const eda_point p[] = {{7, 7}, {7, 7}};
   size_t n;
-  g_assert_null(outline(p, 2, 10, 0, 0, 0, &n)); /* no length */
+  g_assert_null(outline(p, 2, 10, 0, 0, 0, &n)); /* a path without length has no
+                                                    outline */
   g_assert_cmpuint(n, ==, 0);
   eda_point *q = outline(p, 2, 10, 2, 0, 0, &n);
   const eda_point dot[] = {{2, 2}, {12, 2}, {12, 12}, {2, 12}};
@@ -190,8 +191,10 @@ static void test_degenerate(void) {
   g_assert_cmpuint(n, ==, 32);
   free(q);
   const eda_point line[] = {{0, 0}, {10, 0}};
-  g_assert_null(outline(line, 2, 0, 0, 0, 0, &n)); /* no width */
-  q = outline(line, 2, 4, 4, -6, -6, &n);          /* shortened to nothing */
+  g_assert_null(outline(line, 2, 0, 0, 0, 0, &n)); /* a path without width has
+                                                      no outline */
+  q = outline(line, 2, 4, 4, -6, -6, &n);          /* the ends shorten the path
+                                                      to nothing */
   g_assert_cmpuint(n, ==, 0);
   free(q);
   opc_error e;

@@ -47,7 +47,7 @@ extent extent_of_all(const reach *r, const instance *in);
 /* Return the extent of shape i of a sheet. */
 extent extent_of_shape(const sheet *s, size_t i);
 
-/* numbers from .. to - 1 */
+/* The numbers from `from` to `to` - 1. */
 typedef struct span {
   uint32_t from, to;
 } span;

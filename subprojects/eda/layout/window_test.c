@@ -38,7 +38,8 @@ static eda_placement random_placement(GRand *rand, bool right) {
       .mirror = (uint32_t)whole(rand, 0, 2),
       .columns = (uint32_t)whole(rand, 1, 4),
       .rows = (uint32_t)whole(rand, 1, 4)};
-  /* square, slanted, all in a line, all in one place */
+  /* array of one of four kinds: square, slanted, all members in a line, all
+     members in one place */
   int kind = whole(rand, 0, 4);
   p.column_step = (eda_point){kind == 3 ? 0 : whole(rand, -90, 90),
                               kind == 1 ? whole(rand, -90, 90) : 0};
@@ -233,7 +234,8 @@ static void test_large(void) {
   g_assert_cmpint(bounds.x1, ==, 900000);
   g_assert_cmpint(bounds.y0, ==, -10);
   g_assert_cmpint(bounds.y1, ==, 29999 * 30);
-  /* too far away; partly outside after a change; circular */
+  /* refused: a window too far away, shapes outside the range after a change,
+     circular placements */
   g_assert_cmpint(eda_layout_bounds(layout, top, layer, 1e-6, &bounds, &e), ==,
                   OPC_INVALID);
   g_assert_nonnull(strstr(e.message, "2^30"));
@@ -251,7 +253,7 @@ static void test_large(void) {
   eda_layout_free(layout);
 }
 
-/* A layer of the layout that is not used below the given cell. */
+/* Test a layer that is not used below the given cell. */
 static void test_none_below(void) {
   opc_error e = {0};
   eda_layout *layout = eda_layout_new(1, &e);

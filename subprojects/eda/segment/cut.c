@@ -95,7 +95,7 @@ static const edge *closing_edge(const cutter *c, size_t i, int side) {
   return next_point(drawn, end) == to->point ? end : NULL;
 }
 
-/* Return whether the poly beyond the gate belongs to another gate. */
+/* Return whether another gate owns the poly beyond gate i on a side along W. */
 static int shares_end(const cutter *c, size_t sides, size_t i, int side) {
   const edge *e = side_of(c->s, EDA_POLY, i, c->s->gates->axis[i], LOW);
   size_t k = find_span(c->spans, sides, e->point,
@@ -105,7 +105,8 @@ static int shares_end(const cutter *c, size_t sides, size_t i, int side) {
 }
 
 /* Return a default length in grid units: `nm` for 65 nm gates, scaled by the
-   length of gate i and rounded to whole nm; at most half the reach. */
+   length of gate i and rounded to whole nm. The result is at most half the
+   reach.. */
 static int32_t in_lengths(const segment *s, size_t i, double nm) {
   double all = round(s->gates->length[i] * nm / 65) / s->grid;
   int32_t most = s->reach / 2;
@@ -146,8 +147,9 @@ static int32_t reach_of(const cutter *c, const span *a) {
   return c->layer == EDA_ACTIVE ? c->s->reach : segment_overhang(c->s, a->gate);
 }
 
-/* Return how far a span may extend past its gate: to the end of its reach.
-   Along poly, a corner within the distance of a line end is included. */
+/* Return the distance by which a span may extend past its gate, at most
+   `distance`. Along poly, a corner within the distance of a line end is
+   included. */
 static int32_t span_extension(const cutter *c, const span *a,
                               int64_t distance) {
   int32_t reach = reach_of(c, a);
@@ -192,8 +194,8 @@ static void fragment_put(eda_edges *out, uint32_t *n, const edge *e, int32_t at,
 /* Add the fragments of one edge in the direction of the edge. */
 static void put_edge(eda_edges *out, uint32_t *n, const edge *e,
                      const span *spans, size_t count) {
-  /* Edges run downwards on the low side of x and upwards on its high side; for
-     y the directions are reversed. */
+  /* Edges run downwards on the low side of x and upwards on its high side; the
+     directions are reversed for the sides of y. */
   int rising = (e->across == EDA_X) == (e->side == HIGH);
   int32_t at = rising ? e->low : e->high;
   for (size_t k = 0; k < count; k++) {

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* L and W of each gate as drawn. The mask grid has displaced the edges of the
-   gates, so the gates are computed again on the grid of the layout, which
-   displaces none. */
+/* L and W of each gate as drawn. Rounding to the mask grid displaces the edges
+   of gates. Therefore the gates are computed again on a grid so fine that no
+   edge is displaced. */
 #include <math.h>
 #include <stdlib.h>
 
 #include "segment/segment.h"
 
-/* Grid as a fraction of the layout unit. Corners of magnified cells are between
-   two units: L and W then deviate by at most 1/16 of a unit. */
+/* Grid as a fraction of the layout unit. Corners of magnified cells may be
+   between two grid points; L and W then deviate by at most 1/16 of a unit. */
 static const double part = 1.0 / 16;
 
 /* Largest coordinate, 2^30. */
@@ -70,14 +70,15 @@ static double side_length(const eda_box *b, int d) {
   return (double)box_side(b, d, HIGH) - box_side(b, d, LOW);
 }
 
-/* Set a size unless the grid has not displaced it, so that an unchanged size
-   keeps its exact value. */
+/* Set *size to `drawn` if the sizes differ. If rounding to the grid has not
+   changed the size, *size keeps its exact value. */
 static void set_size(double *size, double drawn, double grid) {
   if (fabs(*size - drawn) > 1e-6 * grid) *size = drawn;
 }
 
-/* Measure gate i. Edges that the grid has aligned were drawn in several lines:
-   W is then known on the grid only. */
+/* Measure gate i. If a straight edge on the mask grid is drawn with steps, the
+   gate is no rectangle as drawn, and its sizes are known on the mask grid
+   only. */
 static int gate_measure(eda_gates *g, size_t i, double grid,
                         const eda_shapes *regions, uint32_t region) {
   if (region == UINT32_MAX) return 0;

@@ -17,8 +17,8 @@ static edge make_edge(eda_point a, eda_point b, uint32_t polygon,
                       uint32_t point) {
   edge e = {.polygon = polygon, .point = point};
   int32_t from, to;
-  if (a.x == b.x) { /* downwards on the left side of the interior, upwards on
-                       its right */
+  if (a.x == b.x) { /* edges run downwards on the left side of the interior, and
+                       upwards on the right side */
     e.across = EDA_X;
     e.side = a.y > b.y ? LOW : HIGH;
     e.at = a.x;

@@ -5,7 +5,7 @@
 
 #include "segment/segment.h"
 
-/* Longer paths are cut. */
+/* Longest path, bytes; longer paths are truncated. */
 enum { LONGEST_PATH = 1 << 16 };
 
 char *segment_path(const segment *s, uint32_t placement, int32_t *cell) {

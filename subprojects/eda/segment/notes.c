@@ -22,7 +22,7 @@ static eda_shapes get_boxes(const eda_gates *g) {
 
 /* Text found for each gate. */
 typedef struct note {
-  const char *text; /* NULL: none */
+  const char *text; /* text of the note; NULL: none */
   uint32_t depth;   /* depth of the cell */
 } note;
 
@@ -38,8 +38,8 @@ static int refuse_second(segment *s, const eda_flat_texts *t, size_t i,
       p.y * s->grid, t->text[i]);
 }
 
-/* Find the text of the highest cell for each gate. Two texts of equal depth
-   must be equal. */
+/* Find the text that applies to each gate: that of the highest cell. Two texts
+   of equal depth on one gate must be equal. */
 static int find_notes(segment *s, const eda_flat_texts *t,
                       const uint32_t *which, note *notes) {
   size_t n = t->at.shapes.count;

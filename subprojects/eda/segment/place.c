@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Search for the first shape that contains a point. Used to find the placement
-   that drew the active of each region: the shape that contains its middle. */
+/* Search for the first shape that contains a point. The search finds the
+   placement that drew the active of each region: the placement of the shape
+   that contains the middle of the region. */
 #include <eda/index.h>
 #include <stdlib.h>
 
@@ -41,8 +42,9 @@ void segment_find(const doubled *points, size_t n, const eda_shapes *shapes,
   free(boxes);
 }
 
-/* Return the middle of a box. Other shapes, which are rejected later, use the
-   first corner, whose interior is above and to the right. */
+/* Return the middle of a box. Regions that are no boxes are rejected later;
+   return their first corner, because the interior is above and to the right
+   of this corner. */
 static doubled middle_of(const eda_shapes *regions, size_t i) {
   const eda_point *p = regions->points + regions->start[i];
   uint32_t n = regions->start[i + 1] - regions->start[i];

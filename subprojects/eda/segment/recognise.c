@@ -18,7 +18,8 @@ static int is_edge(const segment *s, int layer, const eda_box *b, int d,
 /* Return NULL and the axis, or a description of the fault. */
 static const char *find_axis(const segment *s, const eda_box *b,
                              uint8_t *axis) {
-  int poly[2], active[2], both = 0; /* number of sides across x, across y */
+  int poly[2], active[2], both = 0; /* numbers of sides that are edges of poly,
+                                       of active, and of both */
   for (int d = 0; d < 2; d++) {
     poly[d] = active[d] = 0;
     for (int side = 0; side < 2; side++) {

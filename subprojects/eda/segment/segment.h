@@ -10,7 +10,8 @@
 enum { NWELL, PWELL, NIMPLANT, PIMPLANT, DOPINGS };
 enum { LOW = 0, HIGH = 1 }; /* sides */
 
-/* An edge of merged shapes; `side` is its side of the interior. */
+/* An edge of merged shapes; `side`: side of the interior on which the edge is
+   located. */
 typedef struct edge {
   uint8_t across, side;
   int32_t at, low, high;   /* constant coordinate; ends */
@@ -43,7 +44,7 @@ typedef struct segment {
   const eda_box *window; /* NULL: no window */
   eda_box bounds;        /* bounds of the layers of the layout */
   double grid;
-  int32_t overhang, line_end; /* NOT_GIVEN: scaled by each gate */
+  int32_t overhang, line_end; /* NOT_GIVEN: scaled by the length of each gate */
   int32_t reach;
   source *source; /* poly, active, contact, then settings->also */
   size_t sources;
@@ -99,10 +100,10 @@ const edge *segment_edge(const edge_index *index, int d, int side, int32_t at,
                          int32_t low, int32_t high);
 
 /* place.c: segment_locate finds the placement of active that contains each
-   region. segment_find writes the number of the first of `shapes` that contains
-   each point to which[n], UINT32_MAX for none. Coordinates of points are
-   doubled, so that midpoints are integers. If two shapes abut, the right or
-   upper shape contains the common edge. */
+   region. segment_find: which[n] receives, for each point, the number of the
+   first of `shapes` that contains the point, or UINT32_MAX. Coordinates of
+   points are doubled, so that midpoints are integers. If two shapes abut, the
+   right or upper shape contains the common edge. */
 typedef struct doubled {
   int64_t x, y;
 } doubled;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Free space beside each gate: from the middle of its side, the distance along
-   L to the next edge of poly and to the end of the active. A sweep in that
-   direction passes the edges that face the gates and keeps the latest edge at
-   each place in a tree. Takes O(n log n). */
+   L to the next edge of poly and to the end of the active. A sweep line moves
+   in that direction over the edges that face the gates. A tree contains the
+   last passed edge at each place. Takes O(n log n). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

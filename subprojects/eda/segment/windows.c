@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Segmentation of windows of a layout. All shapes relevant to a transistor are
-   within its reach, so a window with that margin around a core suffices; only a
-   transistor cut by the border of the window may need a larger window. */
+   within a fixed distance, the reach. A window with this margin around a core
+   is therefore sufficient, unless the border of the window cuts a transistor;
+   then the window is enlarged. */
 #include "segment/windows.h"
 
 #include <stdlib.h>
 
 /* Margin of a window beyond the reach, nm: most transistors are smaller, so
-   those near the core are complete in the first window. With half of it, every
-   other window of 65 nm circuits is repeated. */
+   those near the core are complete in the first window. With half of this
+   margin, every second window of 65 nm circuits is repeated. */
 #define BEYOND 1000.0
 
 /* Clip a window to the bounds of the layout, where nothing is cut. */
@@ -75,9 +76,9 @@ int32_t eda_segment_halo(const eda_segment_settings *settings) {
   return reach_of(&s) + (int32_t)(BEYOND / settings->grid) + 1;
 }
 
-/* Extend `wanted` to the smallest window that region i needs: with the full
-   reach for regions that touch the core, with the region itself for those
-   within reach. */
+/* Extend `wanted` to the smallest window that region i needs: a region that
+   touches the core needs its full reach; a region within reach of such a region
+   must be complete. */
 static void window_extend(const segment *s, eda_box core, size_t i,
                           eda_box *wanted) {
   eda_box b = eda_shape_box(&s->regions, i);
@@ -90,8 +91,8 @@ static void window_extend(const segment *s, eda_box core, size_t i,
   if (b.y1 > wanted->y1) wanted->y1 = b.y1;
 }
 
-/* Double the margin on the sides where more is wanted. Return 0 if the window
-   is sufficient. */
+/* Double the margin on the sides on which `wanted` exceeds the window. Return 0
+   if the window is sufficient. */
 static int window_widen(const segment *s, eda_box core, eda_box *window) {
   eda_box w = *window, wanted = w;
   for (size_t i = 0; i < s->regions.count; i++)

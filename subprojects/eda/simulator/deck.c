@@ -21,7 +21,7 @@ typedef struct deck {
   FILE *out;
   const char *osdi; /* path of the OSDI file with compiled models; NULL: none */
   GMappedFile *objects; /* content of the OSDI file */
-  /* State of the current file. */
+  /* The members below are the state of the current file. */
   const char
       *wanted; /* section to copy; NULL: copy statements outside of sections */
   int found;

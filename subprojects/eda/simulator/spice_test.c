@@ -254,7 +254,8 @@ static void test_osdi(void) {
     double on = values(&r.plot[0], "i(vd)", NULL)[0];
     double off = values(&r.plot[1], "i(vd)", NULL)[0];
     g_assert_cmpfloat(fabs(-on / (1e-3 * 0.36 + 2e-9) - 1), <, 1e-6);
-    g_assert_cmpfloat(fabs(-off / 2e-9 - 1), <, 1e-3); /* and gmin */
+    g_assert_cmpfloat(fabs(-off / 2e-9 - 1), <, 1e-3); /* the leakage and
+                                                          gmin */
   }
   eda_spice_clear(&r);
 }
@@ -424,7 +425,8 @@ static void test_missing(void) {
   g_unsetenv("OPCFLOW_SIMULATOR");
 }
 
-/* The program exits unless started by its parent. */
+/* The program exits if its parent process is not the process that started
+   it. */
 static void test_orphan(void) {
   g_autoptr(GSubprocess) child =
       g_subprocess_new(G_SUBPROCESS_FLAGS_STDOUT_PIPE, NULL,

@@ -2,11 +2,11 @@
 /* A compiled model for tests, by the Open Source Device Interface, version 0.3:
    the symmetric square law
 
-     I(d, s) = w / l (k / 2 (max(0, vgs - vt)^2 - max(0, vgd - vt)^2) + g vds)
+   I(d, s) = w / l (k / 2 (max(0, vgs - vt)^2 - max(0, vgd - vt)^2) + g vds)
 
-   with the signs of a p-transistor where `type` is below 0. On loading, it
-   attempts all actions forbidden to simulations; if one succeeds, it does not
-   conduct. */
+   with the signs of a p-transistor where `type` is below 0. When the model is
+   loaded, it attempts all actions that are forbidden to simulations. If one of
+   them succeeds, the transistor does not conduct. */
 #include <fcntl.h>
 #include <math.h>
 #include <stdbool.h>
