@@ -261,9 +261,16 @@ void smooth_add_boxes(drc *r);
 
 /* ---- mrc.c: rules of the mask ---- */
 
-/* Find widths below min_mask_width and spaces below min_space of merged shapes.
-   The caller frees `fault` with free(). Return the number of faults. */
-size_t mrc_faults(const drc *r, const eda_shapes *shapes,
-                  eda_rule_fault **fault);
+/* Faults of a layer: input `wanted`, output `fault` (free()) and their
+   number. */
+typedef struct mrc_faults {
+  int wanted;
+  eda_rule_fault *fault;
+  size_t n;
+} mrc_faults;
+
+/* Find widths below min_mask_width and spaces below min_space in the merged
+   shapes of the wanted layers, in parallel. */
+void mrc_find(const drc *r, const eda_shapes *shapes, mrc_faults *faults);
 /* Add the faults of the masks of all layers as violations. */
 void mrc_check(const drc *r, const eda_shapes *shapes, violations *out);

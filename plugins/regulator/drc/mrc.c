@@ -5,13 +5,6 @@
 
 #include "drc.h"
 
-size_t mrc_faults(const drc *r, const eda_shapes *shapes,
-                  eda_rule_fault **fault) {
-  const double limit[EDA_RULES] = {
-      [EDA_RULE_SPACE] = r->min_space, [EDA_RULE_WIDTH] = r->min_mask_width};
-  return eda_rules_check(shapes, r->grid, limit, fault);
-}
-
 static void faults_report(const drc *r, const eda_rule_fault *fault, size_t n,
                           violations *out) {
   static const char *const names[] = {
@@ -29,27 +22,34 @@ static void faults_report(const drc *r, const eda_rule_fault *fault, size_t n,
   }
 }
 
-/* Faults of each layer. */
-typedef struct found {
+typedef struct check {
   const drc *r;
   const eda_shapes *shapes;
-  eda_rule_fault **fault;
-  size_t *n;
-} found;
+  mrc_faults *faults;
+} check;
 
 static void check_layer(void *data, size_t layer) {
-  const found *f = data;
-  f->n[layer] = mrc_faults(f->r, &f->shapes[layer], &f->fault[layer]);
+  const check *c = data;
+  const drc *r = c->r;
+  mrc_faults *f = &c->faults[layer];
+  const double limit[EDA_RULES] = {
+      [EDA_RULE_SPACE] = r->min_space, [EDA_RULE_WIDTH] = r->min_mask_width};
+  if (f->wanted)
+    f->n = eda_rules_check(&c->shapes[layer], r->grid, limit, &f->fault);
+}
+
+void mrc_find(const drc *r, const eda_shapes *shapes, mrc_faults *faults) {
+  check c = {r, shapes, faults};
+  opc_parallel(r->host->context, r->layers, check_layer, &c);
 }
 
 void mrc_check(const drc *r, const eda_shapes *shapes, violations *out) {
-  found f = {r, shapes, eda_alloc(r->layers, sizeof *f.fault),
-             eda_alloc(r->layers, sizeof *f.n)};
-  opc_parallel(r->host->context, r->layers, check_layer, &f);
+  mrc_faults *faults = eda_alloc(r->layers, sizeof *faults);
+  for (size_t k = 0; k < r->layers; k++) faults[k].wanted = 1;
+  mrc_find(r, shapes, faults);
   for (size_t k = 0; k < r->layers; k++) {
-    faults_report(r, f.fault[k], f.n[k], out);
-    free(f.fault[k]);
+    faults_report(r, faults[k].fault, faults[k].n, out);
+    free(faults[k].fault);
   }
-  free(f.fault);
-  free(f.n);
+  free(faults);
 }

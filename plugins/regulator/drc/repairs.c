@@ -444,11 +444,11 @@ static void site_clear(drc *r, const eda_printed *p, site *wrong) {
 
 /* Repair violations of mask rules. Discard smoothings there. Reduce two repair
    shapes that are too close by half of the missing space each. */
-static void mask_repair(drc *r, const eda_printed *p, size_t layer) {
+static void mask_repair(drc *r, const eda_printed *p, size_t layer,
+                        const mrc_faults *found) {
   int32_t near = (int32_t)ceil(r->min_space / r->grid);
-  eda_rule_fault *fault;
-  size_t n = mrc_faults(r, &p->shapes[layer], &fault);
-  for (size_t i = 0; i < n; i++) {
+  const eda_rule_fault *fault = found->fault;
+  for (size_t i = 0; i < found->n; i++) {
     double value = fault[i].value;
     int32_t x = (int32_t)lround(fault[i].x / r->grid);
     int32_t y = (int32_t)lround(fault[i].y / r->grid);
@@ -460,14 +460,19 @@ static void mask_repair(drc *r, const eda_printed *p, size_t layer) {
     if (fault[i].rule == EDA_RULE_SPACE)
       shapes_reduce(r, p, &place, near, step, 1);
   }
-  free(fault);
 }
 
 void repairs_grow(drc *r, const eda_printed *p) {
+  mrc_faults *faults = eda_alloc(r->layers, sizeof *faults);
   r->round++;
   for (size_t layer = 0; layer < r->layers; layer++)
-    if (r->added[layer].count || r->cutouts[layer].count)
-      mask_repair(r, p, layer);
+    faults[layer].wanted = r->added[layer].count || r->cutouts[layer].count;
+  mrc_find(r, p->shapes, faults);
+  for (size_t layer = 0; layer < r->layers; layer++) {
+    mask_repair(r, p, layer, &faults[layer]);
+    free(faults[layer].fault);
+  }
+  free(faults);
   for (size_t i = 0; i < r->n_sites; i++)
     if (r->sites[i].failing && !site_wants(&r->sites[i]))
       site_clear(r, p, &r->sites[i]);
