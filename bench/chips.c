@@ -111,7 +111,7 @@ static gboolean chip_measure(const char *folder, const char *name,
   return TRUE;
 }
 
-/* ---- our memory ---- */
+/* ---- array of the memory cell ---- */
 
 /* Write an array of columns and rows as CIF, by repetition of the last call. */
 static gboolean make_square(const char *path, int columns, int rows) {

@@ -129,7 +129,7 @@ static void change_one(const char *source) {
   bench_report("cells.changed_others", others, "masks", 0, BENCH_LOWER);
 }
 
-/* ---- killed ---- */
+/* ---- killed runs ---- */
 
 static char *contents(const char *output, const char *a, const char *b,
                       const char *c) {

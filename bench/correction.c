@@ -218,7 +218,7 @@ static gboolean read_metric(const char *folder, const figure *f,
     return TRUE;
   }
   fprintf(stderr, "error: '%s': %s\n", path,
-          error ? error->message : "the metric is not there");
+          error ? error->message : "the metric does not exist");
   return FALSE;
 }
 

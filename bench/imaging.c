@@ -271,7 +271,7 @@ static void bench_time(void) {
   bench_prepare();
 }
 
-/* ---- where the time goes ---- */
+/* ---- time of each part ---- */
 
 static const double cutoff = 0.75 / 193, sigma = 0.75;
 

@@ -29,7 +29,7 @@ static void deck_check(const char *deck) {
   if (!out) return;
   g_assert_true(g_str_has_prefix(out, "opcflow\n"));
   for (const char *at = out; *at; at = strchr(at, '\n') + 1)
-    if (!is_known(at)) g_error("'%s' came through", at);
+    if (!is_known(at)) g_error("the deck has the unknown statement '%s'", at);
   for (const char *c = out; *c; c++)
     g_assert_true(*c == '\n' || (*c >= 32 && *c < 127 && *c != '`'));
   free(out);

@@ -84,7 +84,7 @@ static double shapes_difference(const eda_shapes *a, const eda_shapes *b) {
   return area;
 }
 
-/* ---- the same again ---- */
+/* ---- equal figures ---- */
 
 static void expect_same(const char *what, const double *a, const double *b) {
   for (size_t i = 0; i < eda_gates_sample()->count; i++)

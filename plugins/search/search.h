@@ -20,7 +20,8 @@ typedef struct plan {
      value of the shared axis covers all `count` values: a table of the run has
      a row with the figure for each value. */
   int along;
-  size_t count, stride; /* stride: distance of settings that share a run */
+  size_t count, stride; /* number of values; distance between the indices of
+                           settings that share a run */
   char **column;        /* column of the axis values: step, table, column */
 } plan;
 

@@ -84,7 +84,7 @@ static inspector listening;
 
 /* Report a change of the process. The parent process reports that the plugin
    ended the process. */
-static void hear_change(const char *id, const char *what) {
+static void report_process_change(const char *id, const char *what) {
   const opc_lint *lint = listening.lint;
   gboolean own = !g_strcmp0(id, lint->id);
   if (!strcmp(what, "ended the process") && own) return;
@@ -95,9 +95,10 @@ static void hear_change(const char *id, const char *what) {
   report_text(&listening, 'B', "");
 }
 
-static void hear_life(void) { report_text(&listening, 'T', ""); }
+static void report_alive(void) { report_text(&listening, 'T', ""); }
 
-static const guard_listener ears = {hear_change, hear_life};
+static const guard_listener process_listener = {report_process_change,
+                                                report_alive};
 
 /* ---- instances ---- */
 
@@ -126,7 +127,7 @@ static gboolean instance_make(const inspector *in, const opc_parameter *changed,
                               double number, const opc_host *like,
                               opc_problems *problems, opc_instance *made) {
   g_autofree char *file = sample_path(in, in->sample);
-  hear_life();
+  report_alive();
   /* Without sample files, pass the path of the plugin itself: `check` does not
      read the content. */
   const opc_making making = {in->lint->registry,
@@ -326,7 +327,7 @@ static void trial_begin(const inspector *in, trial *t) {
 static gpointer trial_work(gpointer data) {
   trial *t = data;
   const opc_module *m = &t->made.binding->module;
-  hear_life();
+  report_alive();
   if (is_step(&t->in)) {
     if (forecast_step(&t->in, m)) run_step(&t->in, m);
   } else
@@ -483,7 +484,7 @@ static void check_leaks(inspector *in) {
   }
 }
 
-/* ---- all ---- */
+/* ---- all checks ---- */
 
 const opc_check opc_checks[] = {
     {"loading", FALSE, NULL, check_declaration},
@@ -523,7 +524,7 @@ void opc_check_do(const opc_lint *lint, size_t i, int out) {
       .sample = lint->sample,
       .out = out};
   listening = in;
-  guard_listen(&ears);
+  guard_listen(&process_listener);
   begun = g_get_monotonic_time();
   granted = (gint64)(lint->seconds * part * 1e6);
   opc_set_threads(1);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* opcflow new comparison: an experiment that applies all methods to files that
-   a process leaves open. */
+/* opcflow new comparison: an experiment that applies all methods to the input
+   files of a process. */
 #pragma once
 
 #include <glib.h>

@@ -77,9 +77,10 @@ static gboolean is_given(const opc_instance *made, const char *name) {
 
 /* Generate the missing required parameters of `plugin`. `inside` is the prefix
    of the parameter names: "slot." or "". */
-static void make_up(const opc_making *making, const opc_plugin *plugin,
-                    const char *inside, int depth, opc_instance *made,
-                    opc_problems *problems) {
+static void generate_required(const opc_making *making,
+                              const opc_plugin *plugin, const char *inside,
+                              int depth, opc_instance *made,
+                              opc_problems *problems) {
   for (size_t i = 0; i < plugin->n_parameters; i++) {
     const opc_parameter *p = &plugin->parameters[i];
     g_autofree char *name = g_strconcat(inside, p->name, NULL);
@@ -92,7 +93,8 @@ static void make_up(const opc_making *making, const opc_plugin *plugin,
     if (text) map_put(made->map, made->source, name, text, problems);
     if (text && p->type == OPC_FILE && !made->file) made->file = g_strdup(name);
     g_autofree char *slot = g_strconcat(name, ".", NULL);
-    if (inner) make_up(making, inner, slot, depth + 1, made, problems);
+    if (inner)
+      generate_required(making, inner, slot, depth + 1, made, problems);
   }
 }
 
@@ -111,7 +113,7 @@ gboolean opc_instance_make(const opc_making *making, const opc_host *like,
   made->map = opc_node_map_new(made->source, &at);
   made->given = opc_node_parse(made->source, making->parameters,
                                strlen(making->parameters), problems);
-  make_up(making, making->plugin, "", 0, made, problems);
+  generate_required(making, making->plugin, "", 0, made, problems);
   if (made->given && made->given->type == OPC_NODE_MAP)
     opc_lay(made->map, made->given, problems);
   if (making->changed) {

@@ -111,12 +111,12 @@ static gboolean check_exports(opc_lint *lint) {
 
 /* Start a process that removes the folder when this process ends for any
    reason. Return 0 on failure. */
-static int hire_janitor(opc_lint *lint) {
+static int start_cleaner(opc_lint *lint) {
   int ends[2];
   char none;
   if (pipe2(ends, O_CLOEXEC)) return 0;
-  lint->janitor = fork();
-  if (!lint->janitor) {
+  lint->cleaner = fork();
+  if (!lint->cleaner) {
     setsid(); /* not ended by Ctrl-C */
     guard_remove();
     close(ends[1]);
@@ -126,7 +126,7 @@ static int hire_janitor(opc_lint *lint) {
   }
   close(ends[0]);
   lint->alive = ends[1];
-  return lint->janitor > 0;
+  return lint->cleaner > 0;
 }
 
 /* Initialise a lint. `folder` is NULL if no folder can be created. */
@@ -143,7 +143,7 @@ static opc_lint lint_begin(const char *path, opc_registry *registry,
                    .findings = g_ptr_array_new_with_free_func(g_free),
                    .checked = g_ptr_array_new_with_free_func(g_free),
                    .notes = g_ptr_array_new_with_free_func(g_free)};
-  if (!lint.folder || hire_janitor(&lint)) return lint;
+  if (!lint.folder || start_cleaner(&lint)) return lint;
   opc_remove_tree(lint.folder);
   g_clear_pointer(&lint.folder, g_free);
   return lint;
@@ -188,7 +188,7 @@ static void lint_run(opc_lint *lint) {
 static void lint_end(opc_lint *lint) {
   if (lint->folder) {
     close(lint->alive);
-    while (waitpid(lint->janitor, NULL, 0) < 0 && errno == EINTR) continue;
+    while (waitpid(lint->cleaner, NULL, 0) < 0 && errno == EINTR) continue;
   }
   g_free(lint->folder);
   g_free(lint->id);
@@ -204,7 +204,7 @@ static const double patience = 15;
 
 /* Restart the command without malloc's per-thread cache. Free memory in that
    cache counts as used and would be reported as a leak. */
-static void begin_anew(void) {
+static void restart_without_cache(void) {
   if (g_getenv("GLIBC_TUNABLES")) return;
   g_setenv("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0", TRUE);
   cli_become("/proc/self/exe");
@@ -251,7 +251,7 @@ static int lint_verb_run(const cli_verb *verb, const GPtrArray *arguments) {
   const char *path = arguments->pdata[0];
   if (!g_file_test(path, G_FILE_TEST_IS_REGULAR))
     return cli_error(CLI_IO, "'%s': no such file", path);
-  begin_anew();
+  restart_without_cache();
   g_autofree char *folder = g_path_get_dirname(path);
   cli_look_first(folder);
   opc_lint lint = lint_begin(path, cli_registry(), parameters, patience);

@@ -15,7 +15,7 @@ typedef struct opc_lint {
   const char *parameters; /* in flow syntax; override generated ones */
   double seconds;         /* limit without output of a check */
   char *folder;           /* for sample files and output of plugins */
-  int alive, janitor;     /* pipe that ends with this process; process that then
+  int alive, cleaner;     /* pipe that ends with this process; process that then
                              removes `folder` */
   size_t sample;          /* number of the sample file in use */
   GPtrArray *findings;    /* char *: faults */

@@ -388,9 +388,9 @@ static char *set_folder(const char *path) {
   return g_path_get_basename(path);
 }
 
-/* Write a flow for the input files of a process: of one file, a flow that
-   extends the process, of several files or a folder an experiment. The last of
-   several arguments is the flow's path if it ends with ".yaml". */
+/* Write a flow for the input files of a process. One file: a flow that extends
+   the process. Several files or a folder: an experiment. The last of several
+   arguments is the path of the flow if it ends with ".yaml". */
 static int new_flow_of(const GPtrArray *arguments) {
   guint end = arguments->len;
   const char *last = arguments->pdata[end - 1];

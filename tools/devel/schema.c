@@ -49,7 +49,7 @@ JsonNode *opc_node_json(const opc_node *node) {
                     : json_node_init_array(json_node_alloc(), array);
 }
 
-/* ---- small pieces ---- */
+/* ---- JSON objects ---- */
 
 /* Return an object from YAML or JSON text. */
 static JsonObject *piece(const char *text) {

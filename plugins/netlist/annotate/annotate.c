@@ -111,13 +111,14 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED(
         "models", annotator, cards, .type = OPC_FILE,
         .summary = "file with both model cards; required to correct DLC"),
-    OPC_PARAMETER(
-        annotator, subcircuits, .type = OPC_BOOL, .preset = "false",
-        .summary = "the models are subcircuits: write X instead of M"),
+    OPC_PARAMETER(annotator, subcircuits, .type = OPC_BOOL, .preset = "false",
+                  .summary = "models as subcircuits: X instead of M at the "
+                             "beginning of each transistor"),
     OPC_PARAMETER(
         annotator, unit, .type = OPC_REAL, .unit = "nm",
         .flags = OPC_ABOVE | OPC_AT_MOST, .min = 0, .max = 1e9,
-        .summary = "length of the size 1; default: sizes are in m (65e-9)"),
+        .summary =
+            "unit of the written sizes; default: sizes are in m, as in 65e-9"),
     OPC_PARAMETER(annotator, file, .type = OPC_OUTPUT, .preset = "netlist.sp",
                   .summary = "netlist file to write"),
 };

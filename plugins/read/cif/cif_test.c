@@ -104,8 +104,9 @@ static void test_syntax(void) {
   eda_layout_free(layout);
 }
 
-/* Test units. 1 / 4 and 1 / 6 of a centimicron require 1 / 12. An odd side
-   requires half of that only if the side is an odd number of units. */
+/* Test the unit of the layout. Symbols in 1 / 4 and 1 / 6 centimicron require a
+   unit of 1 / 12 centimicron. Half of that unit is required only for a side
+   that is an odd number of units. */
 static void test_unit(void) {
   eda_layout *layout = read_good(
       "DS 1 1 4;L A;B 3 2 0 0;DF;DS 2 5 6;L A;B 2 2 1 0;DF;C 1;C 2 T 1 1;E",

@@ -105,8 +105,8 @@ static void test_placements(void) {
 
 /* ---- shapes ---- */
 
-/* Return the sum over all points of x * y, which detects missing or moved
-   shapes; the file depends only on the shapes. */
+/* Return a checksum over the points and layers of all shapes, independent of
+   their order: a missing or moved shape changes the checksum. */
 static uint64_t layout_weigh(const eda_layout *layout, size_t *n_shapes) {
   uint64_t sum = 0;
   int32_t layer;
