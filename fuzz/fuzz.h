@@ -8,7 +8,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* Return the path of a file in memory with this content. The path is the same
-   in each call. fuzz_second_file: another file. */
+/* Return the path of a file in memory with this content. Each of the two
+   functions has one file, whose path is the same in each call. */
 const char *fuzz_file(const uint8_t *data, size_t size);
 const char *fuzz_second_file(const uint8_t *data, size_t size);

@@ -44,7 +44,7 @@ static void test_echo(void) {
   g_autoptr(JsonNode) about = json_from_string(out, NULL);
   g_assert_cmpuint(json_array_get_length(json_object_get_array_member(
                        json_node_get_object(about), "parameters")),
-                   ==, 17); /* with `timeout` */
+                   ==, 17); /* including `timeout` */
   g_assert_cmpint(opcflow_call("inspect test.number"), ==, 3);
   g_assert_cmpstr(err, ==,
                   "error: unknown plugin 'test.number', did you mean "
@@ -444,13 +444,14 @@ static void test_interrupt(void) {
   run_interrupt("--sweep", "b.behave=[well,wait,well]");
 }
 
-/* Return the output of opcflow WORDS on a terminal, after a check of the exit
-   code. NULL, with the test skipped, if the system has no pseudo-terminal. */
+/* Run opcflow WORDS on a pseudo-terminal, check the exit code, and return the
+   output. If the system has no pseudo-terminal, skip the test and return
+   NULL. */
 static char *say_on_terminal(const char *words, const char *no_colour,
                              int code) {
   int terminal = posix_openpt(O_RDWR | O_NOCTTY);
   if (terminal < 0) {
-    g_test_skip("there are no terminals to be had");
+    g_test_skip("the system has no pseudo-terminals");
     return NULL;
   }
   close(terminal);
@@ -496,8 +497,8 @@ static void test_progress(void) {
   const char *a = strstr(output, AGAIN "[1/2] a" AGAIN);
   const char *b = a ? strstr(a, AGAIN "point 1/2 [2/2] b" AGAIN) : NULL;
   if (!b || !strstr(b, AGAIN "point 2/2 [2/2] b" AGAIN)) g_error("%s", output);
-  /* After 0.2 s or slightly more, the estimated remaining time is 1,200 times
-     as long. */
+  /* The first of 1,201 points takes 0.2 s or slightly more. The estimated
+     remaining time is 1,200 times as long. */
   const char *first = strstr(b, "b  1/1201  worst 0.5 nm  ");
   int minutes, seconds;
   if (!first || sscanf(first + 25, "%d:%d left", &minutes, &seconds) != 2)

@@ -51,7 +51,7 @@ static void write_correction(const char *kind) {
   write_text("bad.yaml", text->str);
 }
 
-/* ---- the ways ---- */
+/* ---- faults ---- */
 
 static const char ended[] = "plugin '%s' ended the process\n",
                   numbers[] =
@@ -204,13 +204,13 @@ static void test_dangling(void) {
 /* A returned array that is not on the heap is attributed to the plugin. */
 static void test_static(void) {
 #ifdef __SANITIZE_ADDRESS__
-  g_test_skip("the sanitizer speaks first");
+  g_test_skip("the sanitizer reports the fault first");
   return;
 #endif
   try_correction("litho", "", "static", "crashed in plugin '%s': aborted\n");
 }
 
-/* ---- side by side ---- */
+/* ---- concurrent plugins ---- */
 
 /* A change of the process state may be caused by any running plugin. The
    message names several plugins, among them the faulty one. */

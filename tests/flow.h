@@ -54,7 +54,7 @@ static inline char *read_file(const char *run, const char *name) {
   g_autofree char *path = g_build_filename(folder, run, name, NULL);
   char *text = NULL;
   if (!g_file_get_contents(path, &text, NULL, NULL))
-    g_error("'%s' is not there", path);
+    g_error("'%s' does not exist", path);
   return text;
 }
 

@@ -111,7 +111,7 @@ static void test_places(void) {
   expect_names("p", "file link x");
 }
 
-/* ---- runs that are at work ---- */
+/* ---- active runs ---- */
 
 /* Start a run whose second step waits without end. */
 static GSubprocess *run_start(const char *target) {

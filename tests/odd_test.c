@@ -210,7 +210,7 @@ static void test_optics(void) {
 /* A step is refused before it begins if the memory does not suffice. */
 static void test_memory(void) {
   if (memory_limit == RLIM_INFINITY) {
-    g_test_skip("nothing limits what a sanitizer takes");
+    g_test_skip("memory of a sanitized program cannot be limited");
     return;
   }
   g_autofree char *message = NULL;
@@ -224,7 +224,7 @@ static void test_memory(void) {
   opc_remove_tree("runs");
 }
 
-/* ---- files that are none ---- */
+/* ---- files of invalid kinds ---- */
 
 /* `check` reports invalid kinds of input files. */
 static void test_files(void) {

@@ -314,8 +314,8 @@ static void test_refused(void) {
 }
 
 /* Faults of the inner flow are reported with the place in the inner flow. A
-   search of the search flow itself is rejected. Some faults are found only by
-   instances. */
+   search whose inner flow contains a search of the same flow is rejected. Some
+   faults are found only by instances. */
 static void test_inner_faults(void) {
   write_file("wrong.yaml",
              "opcflow: 1\nextends: inner.yaml\nsteps:\n  mask:\n"

@@ -185,8 +185,8 @@ static void bind_map(const binder *b, const opc_node *map, const char *prefix) {
   bind_group(b, undotted, prefix);
 }
 
-/* Mark values equal to the default as not given: a resolved flow contains all
-   values, and would otherwise differ from the original flow. */
+/* Mark values equal to the default as not given. A resolved flow contains all
+   values, and must have the same `given` fields as the original flow. */
 static void forget_defaults(const binder *b) {
   opc_binding *binding = b->binding;
   for (size_t i = 0; i < binding->plugin->n_parameters; i++) {

@@ -25,12 +25,12 @@ typedef struct expander {
   const opc_choice *choice;
   opc_registry *registry;
   opc_problems *problems;
-  int depth; /* of nested lists */
+  int depth; /* nesting depth of lists */
   GPtrArray *layers, *names, *variants;
   GHashTable *known; /* name -> its layer */
 } expander;
 
-/* An element of the description, which may expand into several layers. */
+/* An element of the value of an axis, which may expand into several layers. */
 typedef struct item {
   const opc_node *node;
   const char *name;    /* NULL: name made from the values */

@@ -10,7 +10,8 @@ typedef struct opc_flow_step opc_flow_step;
 
 /* A resolved reference. */
 typedef struct opc_flow_input {
-  opc_binding *binding; /* of the step or of a slot in the step */
+  opc_binding *
+      binding; /* step, or plugin in a slot of the step, that takes the input */
   size_t parameter;
   const opc_flow_step *from;
   size_t port;
@@ -28,7 +29,7 @@ struct opc_flow_step {
 typedef struct opc_requirement {
   char *path;            /* "step.slot.count" */
   opc_place at;          /* place of the key */
-  const opc_node *value; /* as written */
+  const opc_node *value; /* bound as written in the flow */
   const opc_binding *binding;
   const opc_metric *metric;
   double least, most; /* bounds in the unit of the metric; +-infinity: no

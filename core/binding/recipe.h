@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A flow file merged with the files listed by `extends`: unchecked steps,
+/* A flow file merged with the chain of files that it extends: unchecked steps,
    variants and sweep. */
 #pragma once
 
@@ -7,7 +7,8 @@
 
 typedef struct opc_recipe {
   char *path;               /* as passed to opc_recipe_read */
-  char *name, *description; /* of the first file; description may be NULL */
+  char *name, *description; /* name and description in the first file;
+                               description may be NULL */
   GPtrArray *sources;       /* opc_source *: flow files, variants, list files */
   GPtrArray *roots;         /* opc_node *: one per file */
   opc_node *steps;          /* merged steps; NULL: none given */

@@ -11,11 +11,11 @@ typedef struct opc_axis {
   opc_inner_axis info; /* as passed to steps; texts as written */
   opc_place at;
   opc_source *source; /* source of the values */
-  GPtrArray *values;  /* opc_node *; of an axis of layers: maps of paths and
-                         values */
-  char **variants;    /* of an axis of layers: variant to which each layer is
-                         applied, or ""; texts in `info` are names of layers.
-                         NULL: axis of a parameter */
+  GPtrArray *values; /* opc_node *: values; for an axis of layers, maps of paths
+                        and values */
+  char **variants;   /* variant to which each layer is applied, or "";
+                        `info.texts` then has the names of the layers. NULL: axis
+                        of a parameter */
 } opc_axis;
 
 typedef struct opc_sweep {

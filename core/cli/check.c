@@ -68,9 +68,9 @@ static GArray *open_files(const opc_recipe *recipe, const opc_choice *choice) {
 }
 
 /* Report the required files that the flow or a variant does not name, and
-   return whether any file is missing. Variants do not repeat files that are
-   missing in the flow. A missing file is no problem, because the user adds the
-   layout to a process flow. */
+   return whether any file is missing. Files that the flow itself lacks are not
+   reported again for its variants. A missing file is no problem, because the
+   user adds the layout to a process flow. */
 static gboolean needs_files(const opc_recipe *recipe, const opc_choice *choice,
                             GHashTable *reported, JsonArray *missing) {
   g_autoptr(GArray) its = open_files(recipe, choice);

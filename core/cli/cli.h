@@ -120,7 +120,7 @@ const char *cli_flow(const cli_verb *verb, const GPtrArray *arguments);
 /* A required file that a step of a flow lacks. */
 typedef struct cli_open_file {
   char *path;          /* "step.parameter", "step.slot.parameter" */
-  const char *summary; /* from the plugin */
+  const char *summary; /* summary of the parameter */
 } cli_open_file;
 
 /* Return all missing files of a flow, which may have problems (cli_open_file,
@@ -135,7 +135,7 @@ GPtrArray *cli_choose_variants(const opc_recipe *recipe, GPtrArray *given,
                                gboolean every, opc_problems *problems);
 
 /* Set the number of threads from the text of --threads, NULL if not given.
-   Returns -1, or the exit code. */
+   Returns -1 to continue, or the exit code after a message. */
 int cli_set_threads(const char *text);
 
 /* ---- plugins ---- */

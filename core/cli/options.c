@@ -9,7 +9,7 @@
 
 /* ---- plugins ---- */
 
-static GPtrArray *folders; /* of --plugin-path */
+static GPtrArray *folders; /* folders given by --plugin-path */
 
 void cli_take_plugin_path(guint n, char **words) {
   static const char option[] = "--plugin-path=";

@@ -13,7 +13,8 @@ typedef struct opc_candidate {
   char *reason;          /* reason why not usable; NULL: usable */
   const char *hidden_by; /* path of a file of the same id in an earlier folder,
                             or NULL */
-  char *kind, *version, *licence, *summary; /* of usable plugins only */
+  char *kind, *version, *licence,
+      *summary; /* texts of the descriptor; NULL if not usable */
 } opc_candidate;
 
 typedef struct opc_registry opc_registry;

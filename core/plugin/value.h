@@ -19,11 +19,11 @@ typedef union opc_field {
 
 /* Checked value of a parameter. */
 typedef struct opc_setting {
-  gboolean present; /* given or by default */
-  gboolean given;   /* by the flow or the command line; FALSE if equal to the
+  gboolean present; /* a value is given or is the default */
+  gboolean given;   /* the flow or the command line sets a value other than the
                        default */
   opc_field field;
-  const char *reference; /* of an OPC_INPUT: "step.port" */
+  const char *reference; /* output that an OPC_INPUT refers to: "step.port" */
 } opc_setting;
 
 /* Return the value of a parameter that is not given and has no default. */

@@ -24,8 +24,9 @@ GPtrArray *opc_verdicts_new(void);
 void opc_verdicts_judge(GPtrArray *verdicts, const opc_flow *flow,
                         const GArray *metrics, const gboolean *left_out);
 
-/* Copy the failed verdicts of another run, up to 1000 in the list. `point`:
-   point of the other run, 0 for none; `prefix`: prepended to the paths. */
+/* Copy the failed verdicts of another run, until the list has 1000 verdicts.
+   `point`: point of the other run, 0 for none; `prefix`: prepended to the
+   paths. */
 void opc_verdicts_take(GPtrArray *verdicts, const GPtrArray *from, size_t point,
                        const char *prefix);
 

@@ -12,7 +12,7 @@
 
 typedef struct keyer {
   opc_store *store;
-  opc_key *keys, *key;       /* of all steps; of this step */
+  opc_key *keys, *key;       /* keys of all steps; key of this step */
   const opc_flow_step *step; /* NULL: key of an instance alone */
   const char *root;          /* path of the step or instance */
   GVariantBuilder facts;

@@ -10,7 +10,7 @@
 
 typedef struct opc_levels {
   const opc_recipe *recipe;
-  opc_choice choice; /* with the sweep */
+  opc_choice choice; /* changes to the recipe, with the sweep */
   opc_registry *registry;
   const opc_watch *watch; /* for all runs but the trunk */
   opc_run *outer;         /* run that contains all levels */

@@ -23,10 +23,11 @@ typedef struct keeper {
   const opc_pieces *pieces;
   opc_run *run;
   const opc_flow_step *step;
-  const char *path;     /* path of the instance relative to the step */
-  size_t found, worked; /* found in the store; done here */
-  guint64 bytes;        /* of all results */
-  gint64 begun, last;   /* start of the work; end of the last piece, us */
+  const char *path; /* path of the instance relative to the step */
+  size_t found,
+      worked; /* number of results found in the store; number computed here */
+  guint64 bytes;      /* size of all results */
+  gint64 begun, last; /* start of the work; end of the last piece, us */
 } keeper;
 
 /* ---- in the store ---- */

@@ -73,8 +73,9 @@ struct opc_run {
   gboolean *left_out;      /* one per step: not run here */
   opc_run *main;           /* run that contains this one; NULL: none */
   const opc_flow_step *at; /* running step */
-  gint64 deadline;         /* of the running step, monotonic us; 0: none */
-  gboolean apart;          /* the step runs in this rank only */
+  gint64 deadline; /* time limit of the running step on the monotonic clock, us;
+                      0: none */
+  gboolean apart;  /* the step runs in this rank only */
   opc_outcome out;
   opc_listener listener;
   opc_written written;

@@ -36,12 +36,13 @@ typedef struct opc_inner_axis {
   const char *path; /* "mask.synthesizer.fragment" */
   const char *unit; /* NULL: plain numbers or texts */
   size_t count;
-  const double *values;     /* in `unit`; NULL: values are not numbers of one
-                               unit */
-  const char *const *texts; /* as written in the flow; for layers: their names,
-                               unique and valid as folder names */
-  int used;                 /* 1: a result requested by `metric` or `output`
-                               depends on this axis */
+  const double *values; /* in `unit`; NULL: values are not numbers of one
+                           unit */
+  const char *const
+      *texts; /* values as written in the flow, or names of layers, which are
+                 unique and valid as folder names */
+  int used;   /* 1: a result requested by `metric` or `output`
+                 depends on this axis */
   OPC_MAY_GROW
 } opc_inner_axis;
 
@@ -64,7 +65,7 @@ typedef struct opc_inner_run {
 #define OPC_INNER "opcflow.inner/1"
 
 typedef struct opc_inner_service {
-  size_t size; /* of this struct */
+  size_t size; /* size of this struct */
 
   /* ---- from `check` on ---- */
 

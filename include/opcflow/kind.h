@@ -13,7 +13,7 @@ OPC_C_BEGIN
 /* A function that each plugin of the kind must have. */
 typedef struct opc_function {
   const char *name;
-  size_t offset; /* in the kind's struct of functions */
+  size_t offset; /* offset of the pointer in the kind's struct of functions */
   OPC_MAY_GROW
 } opc_function;
 
@@ -62,7 +62,7 @@ typedef struct opc_example {
 } opc_example;
 
 typedef struct opc_kind {
-  size_t functions_size; /* of the struct of functions of this kind */
+  size_t functions_size; /* size of the struct of functions of this kind */
 
   /* Functions that each plugin must have. Each array is given with the size of
      an element. */

@@ -61,7 +61,7 @@ typedef struct opc_pieces {
 #define OPC_PIECES "opcflow.pieces/1"
 
 typedef struct opc_pieces_service {
-  size_t size; /* of this struct */
+  size_t size; /* size of this struct */
 
   /* Implement opc_do_pieces; `own_size` is sizeof(opc_pieces) in the plugin. */
   int (*run)(const opc_host *host, const opc_pieces *pieces, size_t own_size,

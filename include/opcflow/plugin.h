@@ -121,9 +121,9 @@ enum {
    ("nm", "%", "V", "A", "C", "deg", "s", "1/nm"); the flow must write a unit of
    the same dimension. NULL: a plain number. `preset` is the default in the
    notation of a flow, NULL for none. `offset` and `width` are position and size
-   of the field in the instance, bytes. `given` is the offset of an int field
-   that the host sets to 1 if the flow or the command line sets the parameter,
-   even to the default, else to 0; 0: no such field. */
+   of the field in the instance, bytes. `given` is the offset of an int field,
+   or 0 for no field. The host sets this field to 1 if the flow or the command
+   line sets a value other than the default, else to 0. */
 typedef struct opc_parameter {
   const char *name;
   uint32_t type;
@@ -187,7 +187,7 @@ typedef struct opc_progress {
   const char *worst_unit;
 } opc_progress;
 
-enum { OPC_TABLE_PRINT = 1 }; /* also print to standard output */
+enum { OPC_TABLE_PRINT = 1 }; /* the table is also printed to standard output */
 
 /* A column of a published table: `type` is OPC_TEXT, OPC_REAL or OPC_INT and
    `data` an array of const char *, double or int64_t. */
@@ -195,7 +195,8 @@ typedef struct opc_column {
   const char *name;
   const char *unit;
   uint32_t type;
-  int32_t decimals; /* of an OPC_REAL; -1: shortest exact form */
+  int32_t
+      decimals; /* number of decimals of an OPC_REAL; -1: shortest exact form */
   const void *data;
   OPC_MAY_GROW
 } opc_column;
@@ -206,7 +207,7 @@ typedef struct opc_column {
    otherwise. */
 typedef struct opc_host opc_host;
 struct opc_host {
-  size_t size;                /* of this struct */
+  size_t size;                /* size of this struct */
   const opc_context *context; /* threads; base.h */
   void *data;                 /* private data of the host */
 
@@ -256,7 +257,7 @@ enum {
    and valid as long as the shared object is loaded. */
 typedef struct opc_plugin {
   uint16_t abi_major, abi_minor;
-  uint32_t size;    /* of this struct */
+  uint32_t size;    /* size of this struct */
   const char *id;   /* "litho.hopkins": family.name, lower case */
   const char *kind; /* kind of `functions`: "litho"; kind.h */
   const char *version;

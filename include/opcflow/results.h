@@ -14,7 +14,7 @@ OPC_C_BEGIN
 
 /* Functions of the service. All are [main], while a step or a command runs. */
 typedef struct opc_results {
-  size_t size; /* of this struct */
+  size_t size; /* size of this struct */
 
   /* Return a hash (SHA-256, hexadecimal) of the plugin in `slot`, or of this
      plugin for NULL. The hash covers build, parameters, contents of files, and

@@ -43,11 +43,11 @@ enum {
                                 inputs, parameters and files named by
                                 parameters, such as other programs; the host
                                 never reuses the result */
-  OPC_STEP_PIECES = 1 << 2   /* distributes work units (pieces.h) over the
-                                processes that run the flow together. The step
-                                and the steps that provide its inputs run in
-                                every process, all other steps in the first one
-                                only */
+  OPC_STEP_PIECES =
+      1
+      << 2 /* distributes work units (pieces.h) over the processes that run the
+              flow together. The step and the steps that provide its inputs run
+              in every process; all other steps run only in the first process */
 };
 
 typedef struct opc_step {

@@ -18,9 +18,9 @@ extern const eda_frame try_other_frame;
 int try_went_well(opc_inspector *in, const char *what, int code,
                   opc_error *error);
 
-/* Plugin for functions of the library that check results (eda_call_...): the
-   functions of `module` forward to `plugin` and keep the code that `plugin`
-   returns in *code. */
+/* A module for functions of the library that check results (eda_call_...). The
+   functions of `module` forward all calls to `plugin`, and store the code that
+   `plugin` returns in *code. */
 typedef struct try_shim {
   const opc_module *plugin;
   int *code;

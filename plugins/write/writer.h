@@ -43,7 +43,7 @@ typedef struct writer {
   const eda_layout *layout;
   const eda_mask *mask;
   int layout_given, mask_given;
-  const char *name; /* of the file */
+  const char *name; /* name of the output file */
   opc_map layers;   /* name of the layer -> layer in the file */
 
   const write_format *format; /* set by writer_check */

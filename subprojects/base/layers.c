@@ -115,8 +115,9 @@ opc_node *opc_undot(const opc_node *map, gboolean deep,
   return copy;
 }
 
-/* Return whether a key of `map` continues a dotted key of `other`, which is a
-   map: "a: { b: ... }" and "a.b: ...". */
+/* Return whether the beginning of a dotted key of `map` is a key of `other`
+   whose value is a map, such as "a.b: ..." in `map` and "a: { b: ... }" in
+   `other`. */
 static gboolean map_continues_key(const opc_node *map, const opc_node *other) {
   for (guint i = 0; i < map->keys->len; i++) {
     g_autofree char *path = g_strdup(opc_node_key(map, i));

@@ -14,7 +14,7 @@ enum { MOST_BYTES = 16 << 20, MOST_CELLS = 200000 };
 typedef struct csv {
   const opc_source *source;
   const char *at;
-  opc_place place; /* of `at` */
+  opc_place place; /* place of `at` */
   guint cells;
   opc_problems *problems;
 } csv;

@@ -19,7 +19,7 @@ static pthread_mutex_t lock =
     PTHREAD_MUTEX_INITIALIZER; /* one MPI call at a time */
 static pthread_t server;
 static int64_t turns; /* the shared counter, atomic; of rank 0 */
-static int ended;     /* under the lock */
+static int ended;     /* 1: the serving thread ends; protected by the lock */
 
 /* ---- waiting ---- */
 
@@ -126,7 +126,7 @@ int64_t mpi_turn(int64_t by) {
 
 /* ---- start and end ---- */
 
-/* mpi_least returns when no rank can request the counter again. */
+/* Wait by mpi_least until no rank can request the counter again. */
 void mpi_end(void) {
   int64_t none = 0;
   opc_error stopped;

@@ -221,8 +221,9 @@ static void line_to(line *l, const double *p) {
   memcpy(l->place + 2 * l->count++, p, 2 * sizeof *p);
 }
 
-/* Append the line from a to b, without a. Insert the contour point near the
-   middle of the chord, recursively, if the chord deviates. */
+/* Append the line from a to b, without the point a. If the chord deviates from
+   the contour, insert the contour point near the middle of the chord,
+   recursively. */
 static void line_follow(line *l, const eda_field *print, const double *a,
                         const double *b, int depth) {
   double m[2] = {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2}, v, dx, dy;

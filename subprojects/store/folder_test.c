@@ -120,8 +120,9 @@ static void assert_word(const char *folder, const char *word) {
 
 /* ---- replacing ---- */
 
-/* Kill a run before each rename in turn. The folder then contains the old or
-   the new run, except until the next run restores the old one. */
+/* Kill a run before each rename in turn. The folder must then contain the old
+   or the new run. Without an atomic exchange, the folder may be missing until
+   the next run restores the old run. */
 static void kill_at_each_rename(const char *target) {
   int at = 0, status = -1;
   g_assert_cmpint(make_run(target, "first"), ==, OPC_OK);

@@ -8,7 +8,7 @@
 
 #include "evil.h"
 
-/* ---- before anybody asks ---- */
+/* ---- before opcflow_plugin() is called ---- */
 
 static void __attribute__((constructor)) construct(void) { evil("construct"); }
 

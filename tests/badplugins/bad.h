@@ -77,9 +77,10 @@ static void bad_clear(void *self) {
   if (fault_is("clear")) write_wildly(NULL, 7);
 }
 
-#define BAD_PLUGIN(KIND, FUNCTIONS)                                            \
-  OPC_PLUGIN(bad, .id = BAD_ID, .kind = (KIND), .version = "1.0.0",            \
-             .licence = "BSD-3-Clause", .summary = "Goes wrong while it runs", \
+#define BAD_PLUGIN(KIND, FUNCTIONS)                                 \
+  OPC_PLUGIN(bad, .id = BAD_ID, .kind = (KIND), .version = "1.0.0", \
+             .licence = "BSD-3-Clause",                             \
+             .summary = "Plugin with a fault in a function",        \
              .check = bad_check, .clear = bad_clear, OPC_FUNCTIONS(FUNCTIONS))
 
 #endif

@@ -17,4 +17,4 @@ static void exercise(const opc_module *module, opc_inspector *inspector) {
 
 static void __attribute__((constructor)) construct(void) { evil("construct"); }
 
-OPC_KIND("bad", none, "A kind that goes wrong");
+OPC_KIND("bad", none, "Kind with a fault");

@@ -100,6 +100,7 @@ static const opc_step functions = {OPC_OUTPUTS(outputs), .run = kept_run,
                                    .save = kept_save, .restore = kept_restore};
 
 OPC_PLUGIN(kept, .id = TEST_ID, .kind = "step", .version = "1.0.0",
-           .licence = "BSD-3-Clause", .summary = "A number that is kept",
-           .flags = TEST_FLAGS, OPC_PARAMETERS(parameters),
-           OPC_METRICS(metrics), OPC_FUNCTIONS(functions));
+           .licence = "BSD-3-Clause",
+           .summary = "Step whose output can be stored", .flags = TEST_FLAGS,
+           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
+           OPC_FUNCTIONS(functions));

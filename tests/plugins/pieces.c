@@ -264,6 +264,6 @@ static const opc_step functions = {
     .save = pieces_save, .restore = pieces_restore};
 
 OPC_PLUGIN(pieces, .id = TEST_ID, .kind = "step", .version = "1.0.0",
-           .licence = "BSD-3-Clause", .summary = "Work in pieces",
+           .licence = "BSD-3-Clause", .summary = "Step with work units",
            .flags = OPC_DETERMINISTIC, OPC_PARAMETERS(parameters),
            OPC_METRICS(metrics), OPC_FUNCTIONS(functions));

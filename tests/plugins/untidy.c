@@ -79,6 +79,7 @@ static const eda_extractor functions = {
     .prepare = untidy_prepare, .slicing = slicing, .extract = untidy_extract};
 
 OPC_PLUGIN(untidy, .id = "test.untidy", .kind = "extractor", .version = "1.0.0",
-           .licence = "BSD-3-Clause", .summary = "Breaks the contract",
+           .licence = "BSD-3-Clause",
+           .summary = "Extractor that violates the contract",
            OPC_PARAMETERS(parameters), .check = untidy_check,
            OPC_FUNCTIONS(functions));

@@ -47,7 +47,7 @@ static int check_number(const void *object, opc_error *error) {
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(wants, memory, .type = OPC_REAL, .preset = "0",
-                  .summary = "memory it says it wants, in GB"),
+                  .summary = "memory of the forecast, GB"),
     OPC_PARAMETER(wants, from, .type = OPC_INPUT, .choices = "number",
                   .summary = "another number"),
 };
@@ -62,7 +62,7 @@ static const opc_step functions = {OPC_OUTPUTS(outputs), .run = wants_run,
                                    .forecast = wants_forecast, .flags = FLAGS};
 
 OPC_PLUGIN(wants, .id = ID, .kind = "step", .version = "1.0.0",
-           .licence = "BSD-3-Clause", .summary = "Says what it wants",
+           .licence = "BSD-3-Clause", .summary = "Step with a forecast",
            .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
            OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
            OPC_FUNCTIONS(functions));

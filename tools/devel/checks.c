@@ -40,7 +40,7 @@ struct opc_inspection {
   size_t sample;     /* number of the sample file for the plugin */
   int out;           /* file descriptor of the report; -1: none */
   guint notes;       /* number of notes so far */
-  GChecksum *digest; /* of all results */
+  GChecksum *digest; /* digest of all results */
 };
 typedef struct opc_inspection inspector;
 

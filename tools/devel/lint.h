@@ -11,7 +11,7 @@
 typedef struct opc_lint {
   const char *path; /* shared object, ID.so */
   char *id;
-  opc_registry *registry; /* of kinds, and of plugins for slots */
+  opc_registry *registry; /* provides kinds, and plugins for slots */
   const char *parameters; /* in flow syntax; override generated ones */
   double seconds;         /* limit without output of a check */
   char *folder;           /* for sample files and output of plugins */

@@ -7,7 +7,7 @@
 #include <opcflow/plugin.h>
 
 typedef struct pair {
-  const char *name;   /* of the case; "" without cases */
+  const char *name;   /* name of the case; "" without cases */
   const char *method; /* label of `other` */
   eda_run *base, *other;
 } pair;

@@ -45,12 +45,12 @@ typedef struct match_task {
   int32_t top;
   const eda_gates *gates;
   int ignore_hierarchy;
-  double tolerance;                          /* of sizes, relative */
+  double tolerance; /* largest relative deviation of sizes */
   int32_t layer[LAYERS], text_layer[LAYERS]; /* -1: none */
 
   size_t groups, capacity_groups;
   region *group;
-  eda_names group_of; /* from paths to groups */
+  eda_names group_of; /* path of an instance -> group */
   uint32_t *of_group; /* group of each gate; UINT32_MAX: none */
 
   terminals *terminals; /* nets of each gate; groups do not share nets */

@@ -11,7 +11,7 @@ typedef struct window_print {
   eda_section *cuts;
   double *ion, *ioff; /* ln of printed over drawn current; NAN: failed; NULL: no
                          extractor */
-  eda_spread spread;  /* of the currents */
+  eda_spread spread;  /* spread of the currents */
 } window_print;
 
 typedef struct window {
@@ -30,12 +30,12 @@ typedef struct window {
   const char *file;
   const eda_gates *gates;             /* measured gates */
   size_t nominal_dose, nominal_focus; /* indices of the values nearest to 0 */
-  eda_performance design;             /* with an extractor */
-  window_print *print;                /* [focus][dose] */
-  window_print *wrong;                /* [mask_error], at nominal dose and
-                                         focus */
-  double *low, *high; /* range of doses within tolerance, %, per focus; NAN:
-                         none */
+  eda_performance design; /* drawn transistors; set if an extractor exists */
+  window_print *print;    /* [focus][dose] */
+  window_print *wrong;    /* [mask_error], at nominal dose and
+                             focus */
+  double *low, *high;     /* range of doses within tolerance, %, per focus; NAN:
+                             none */
   double depth_low, depth_high; /* range of foci within tolerance at the nominal
                                    dose, nm; NAN: none */
 } window;

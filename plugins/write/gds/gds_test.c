@@ -172,7 +172,7 @@ static void test_large_array(void) {
       eda_layout_instances(back, eda_layout_find_cell(back, "TOP")), ==, 3);
   eda_flat out = flat(back, "9/0");
   g_assert_cmpuint(out.shapes.count, ==, 210000);
-  double sum = 0; /* of the lower left corners' x */
+  double sum = 0; /* sum of x of the lower left corners */
   for (size_t i = 0; i < out.shapes.count; i++)
     sum += out.shapes.points[4 * i].x;
   g_assert_cmpfloat(sum, ==, 210000 * (7 + 1 + 69999.0));

@@ -17,11 +17,11 @@ void opc_sheet_free(opc_sheet *sheet);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_sheet, opc_sheet_free)
 
 /* Return a text with aligned columns (g_free); numbers are right-aligned. If
-   the table is wider than `width` characters, columns with equal cells are
-   moved to a last line. If the remaining columns are too wide, a table of few
-   rows is transposed; other tables are split into blocks of columns, each with
-   the columns that identify a row. Width 0: one line a row. Line breaks and
-   tabs become blanks. */
+   the table is wider than `width` characters, each column whose cells are all
+   equal is printed only once, in a last line. If the remaining columns are too
+   wide, a table of few rows is transposed; other tables are split into blocks
+   of columns, each with the columns that identify a row. Width 0: one line a
+   row. Line breaks and tabs become blanks. */
 char *opc_sheet_text(opc_sheet *sheet, size_t width);
 
 /* Return a table in Markdown (g_free); line breaks in cells become blanks. */

@@ -16,8 +16,8 @@ const char *opc_nearest(const char *word, const GPtrArray *words);
 
 /* Return ", did you mean 'x'?" or "" (g_free) for an id. For an id of two words
    and a dot, x is the id with swapped words, else the nearest id with the same
-   last word. For a word without a dot, x is a near id, else an id with a near
-   last word. */
+   last word. For a word without a dot, x is the nearest id, else an id whose
+   last word is nearest. "Nearest" has the limits of opc_nearest. */
 char *opc_suggestion_of_id(const char *id, const GPtrArray *ids);
 
 /* Return ", did you mean 'x'?" or "" (g_free). */

@@ -12,7 +12,7 @@
 const char *guard_enter(const char *id);
 void guard_leave(const char *before);
 
-/* Attribute tasks that a plugin distributes over threads to that plugin `id`.
+/* Attribute tasks to the plugin `id`, which distributes the tasks over threads.
    Call guard_gather once before all tasks, guard_join before each task, and
    guard_part with the result of guard_join after the task. [any] */
 void guard_gather(void);
@@ -68,7 +68,8 @@ void guard_folder(const char *work, const char *failed, const char *lock);
    threads. Safe in a signal handler. */
 _Noreturn void guard_end(int code);
 
-/* If this thread is in a plugin, report that the plugin exits, and exit. */
+/* If this thread runs a plugin, report that the plugin ended the process, and
+   end the process; otherwise return. */
 void guard_exit(void);
 
 /* Set the final exit code, before exit handlers of plugins may run. [main] */

@@ -15,7 +15,8 @@ typedef struct process_signal {
 } process_signal;
 extern const process_signal process_signals[];
 
-/* Record the present state; again after each change by the command. [main] */
+/* Record the present state. Call again after the command itself changes the
+   state. [main] */
 void process_settle(void);
 
 /* Return a change of this thread's state, except the signal mask, as a

@@ -14,7 +14,8 @@ typedef struct page {
   double capacity;    /* bytes left for pictures */
 } page;
 
-/* Set up a page of at most about `megabytes`, limited by omitting pictures. */
+/* Initialise a page of about `megabytes` MB at most; pictures that exceed this
+   size are omitted. */
 void page_init(page *p, double megabytes);
 void page_clear(page *p);
 

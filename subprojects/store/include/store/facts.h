@@ -5,8 +5,8 @@
 
 #include <store/store.h>
 
-/* A list of facts: a subject (y), a path, a value for the user, and a checksum
-   if the value does not identify the fact. */
+/* A list of facts. Each fact has a subject (y), a path, a value for the user,
+   and a checksum if the value does not identify the fact. */
 #define OPC_FACTS_TYPE G_VARIANT_TYPE("a(ysss)")
 
 /* Add a fact to a list under construction. */
