@@ -89,7 +89,8 @@ static const correction_case jobs[] = {
      .sets = {"picture=~", "mask.synthesizer.target=plain"},
      .figures = {{"mask", "ion_mean", 0.04, "%"},
                  {"mask", "ion_max", 0.4, "%"},
-                 {"mask", "simulations", 16, NULL}, /* for two layers */
+                 {"mask", "simulations", 16,
+                  NULL}, /* simulations of both layers */
                  {"mask", "fine_simulations", 4, NULL}},
      .cheap = {"mask.fine=off", "mask.margin=1 um"},
      .times = 2},
@@ -280,8 +281,8 @@ static gboolean correction_measure(const correction_case *j,
 /* Variants by cells: expected speed relative to DPB-OPC of the flat circuit,
    and the deviation of the currents by the same verification model. */
 static const struct by_cells {
-  const char *variant, *mask; /* variant of flows/library-methods.yaml; its last
-                                 step */
+  const char *variant, *mask; /* variant of flows/library-methods.yaml; last
+                                 step of the variant */
   double times;
   gboolean judged; /* compare the deviation with that of the flat circuit */
 } by_cells[] = {{"dpb_placed", NULL, 40, FALSE},

@@ -95,7 +95,8 @@ static double transforms(eda_frame f, const opc_module *m, size_t kernels,
   double start = processor_time();
   for (int p = 0; p < 4; p++)
     for (size_t k = 0; k < repeats[p]; k++) {
-      for (size_t i = 0; i < 64; i++) a[i] = 1; /* keeps the values finite */
+      for (size_t i = 0; i < 64; i++)
+        a[i] = 1; /* avoids infinite values in repeated transforms */
       fftwf_execute(plans[p]);
     }
   double time = processor_time() - start;

@@ -184,7 +184,7 @@ static void test_crashes(void) {
         "%s\n"
         "note: files written so far are in 'x.failed'\n",
         crashes[i].plugin, crashes[i].what);
-    /* Steps of more than one second have a line of their own. */
+    /* Lines of steps that took more than a second may precede the message. */
     if (!g_str_has_suffix(err, want)) g_assert_cmpstr(err, ==, want);
     expect_kept("the process ended while step 'mask' ran");
   }

@@ -66,8 +66,8 @@ static void test_resolved(void) {
   expect_equal("demo", "again", "mask.gds");
 }
 
-/* Settings of the accurate model with less accuracy. The code path is the same,
-   in a third of the time. */
+/* Settings with a less accurate model, which execute the same code in a third
+   of the time. */
 #define LIGHT "--set", "mask.fine=1e-3", "--set", "mask.margin=1 um"
 
 /* Byte-identical results for any number of threads. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Run folders: replacement by --force, and the remains of runs that were
-   killed, that are active, or that could not write. */
+/* Run folders: replacement by --force, folders left by killed runs, folders of
+   active runs, and files that cannot be written. */
 #include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <signal.h>

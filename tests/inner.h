@@ -125,7 +125,7 @@ static inline const opc_column *inner_column(const opc_host *host,
   *rows = inner.rows;
   for (size_t i = 0; i < inner.n_columns; i++)
     if (!strcmp(inner.columns[i].name, column)) return &inner.columns[i];
-  opc_fail(error, OPC_INVALID, NULL, "%s.%s.%s is not there", step, table,
+  opc_fail(error, OPC_INVALID, NULL, "%s.%s.%s does not exist", step, table,
            column);
   return NULL;
 }

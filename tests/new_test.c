@@ -243,7 +243,7 @@ static void test_process(void) {
   g_assert_cmpint(CALL(command, "new", "flow", "--process", "base.yaml", cif),
                   ==, 0);
   g_assert_cmpstr(out, ==, "./flow.yaml\n");
-  if (CALL(command, "check")) g_error("%s", err); /* it is flow.yaml */
+  if (CALL(command, "check")) g_error("%s", err); /* checks flow.yaml */
   g_assert_cmpint(
       CALL(command, "new", "flow", "--process", "mine.yaml", cif, "no.yaml"),
       ==, 2);

@@ -378,8 +378,8 @@ static void test_failing_points(void) {
       g_str_has_prefix(err, "--sweep b.size: a sweep must be a list"));
 }
 
-/* A step that exceeds its time limit fails, also as a point of a sweep; a step
-   that does not is unchanged. */
+/* A step that exceeds its time limit fails, also at a point of a sweep. The
+   limit does not affect steps that end earlier. */
 static void test_timeout(void) {
   g_assert_cmpint(opcflow_call("run two.yaml --output late --set b.behave=wait "
                                "--set b.timeout=200~ms"),

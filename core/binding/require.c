@@ -83,8 +83,9 @@ static const struct {
                  {">", "more than ", FALSE, TRUE, TRUE},
                  {"=", "", TRUE, TRUE, FALSE}};
 
-/* Index in `relations` for a number without a sign, by opc_metric.better: a
-   bound in the direction in which the metric worsens, or equality. */
+/* Index in `relations` of the relation for a number without a sign, by
+   opc_metric.better: "=" for a metric without direction, "<=" if lower is
+   better, ">=" if higher is better. */
 static const guint by_direction[] = {
     [OPC_NEUTRAL] = 4, [OPC_LOWER] = 0, [OPC_HIGHER] = 1};
 

@@ -12,7 +12,7 @@
 #include "core/run/pieces.h"
 #include "core/run/whole.h"
 
-/* Options given. */
+/* Values of the options of the command line. */
 static GPtrArray *sets, *variants, *sweeps;
 static const char *threads, *level_word;
 static opc_run_options wanted;

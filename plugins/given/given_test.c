@@ -116,8 +116,8 @@ static void check_same(const char *fine, int before_too) {
   expect_same("area", mask->after.area, out->after.area);
   expect_same("drawn Ion", mask->design.ion, out->design.ion);
   if (before_too) expect_same("Ion before", mask->before.ion, out->before.ion);
-  for (size_t i = 0; i < g->count;
-       i++) /* by a different model: verification.h */
+  for (size_t i = 0; i < g->count; i++) /* the drawn figures are computed by
+                                           another model: see verification.h */
     g_assert_cmpfloat(fabs(mask->before.ion[i] / out->before.ion[i] - 1), <,
                       2e-3);
   g_assert_true(opc_test_metric("ion_mean") == mean);

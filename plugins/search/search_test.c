@@ -124,7 +124,9 @@ static void test_all(void) {
     g_assert_cmpstr(opc_test_text("best", "value", 1), ==,
                     move_texts[best % MOVES]);
   }
-  g_assert_true(truth(best_of(0)) == truth(best_of(0) + 1)); /* a tie */
+  g_assert_true(
+      truth(best_of(0)) ==
+      truth(best_of(0) + 1)); /* two best settings with equal figures */
 }
 
 /* ---- settings that share a run ---- */
@@ -235,7 +237,9 @@ static void test_failing(void) {
   failing = (int)best_of(0);
   g_assert_cmpint(run_search(&s, &error), ==, OPC_OK);
   g_assert_cmpfloat(opc_test_metric("failed"), ==, 1);
-  g_assert_cmpfloat(opc_test_metric("setting"), ==, failing + 2); /* the tie */
+  g_assert_cmpfloat(
+      opc_test_metric("setting"), ==,
+      failing + 2); /* the equal setting is a neighbour of the failed one */
   g_assert_true(
       isnan(opc_test_number("settings", "mask.ion", (size_t)failing)));
   g_assert_nonnull(

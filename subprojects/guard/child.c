@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Forks, and reads the child's output until it ends or exceeds the time. */
+/* Starts a child process and reads the output of the child, until the child
+   ends or exceeds the time limit. */
 #include <guard/child.h>
 
 #include <errno.h>

@@ -67,7 +67,8 @@ static int rename_folder(int here) {
   return !mkdirat(here, failed, 0777) && !renameat(here, work, here, failed);
 }
 
-/* Rename the run folder and set `failed` to its name; 0: nothing to keep. */
+/* Rename the run folder and set `failed` to the new name. Return 0 if there is
+   no folder to keep. */
 static int keep_folder(void) {
   int here = process_folder();
   size_t length = strlen(failed);

@@ -17,7 +17,8 @@
 static const struct timespec patience = {0, 500000000};
 
 static volatile sig_atomic_t asked;
-static sem_t request; /* posted by the signal handler and by new limits */
+static sem_t request; /* posted by the signal handler and by limits_set, to wake
+                         the watching thread */
 static int exit_code;
 
 static void take_signal(int number) {
@@ -71,7 +72,7 @@ static double limits_check(void) {
 
 /* ---- requests ---- */
 
-static void *end_the_stubborn(void *unused) {
+static void *watch_requests(void *unused) {
   while (!asked) {
     double end = limits_check(), whole = floor(end);
     const struct timespec until = {(time_t)whole, (long)((end - whole) * 1e9)};
@@ -89,7 +90,7 @@ void stop_on_signals(int code) {
   pthread_t watcher;
   exit_code = code;
   sem_init(&request, 0, 0);
-  if (!pthread_create(&watcher, NULL, end_the_stubborn, NULL))
+  if (!pthread_create(&watcher, NULL, watch_requests, NULL))
     pthread_detach(watcher);
   sigaction(SIGINT, &action, NULL);
   sigaction(SIGTERM, &action, NULL);

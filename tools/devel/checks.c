@@ -105,8 +105,8 @@ static const guard_listener process_listener = {report_process_change,
 /* Start and time limit of the current check, us. */
 static gint64 begun, granted;
 
-/* Return whether the check exceeds the limit. The time waiting for a processor
-   counts only after three times the limit. */
+/* Return whether the check exceeds the limit. Time spent waiting for a
+   processor does not count, up to twice the limit. */
 static int is_late(void *unused) {
   (void)unused;
   gint64 since = g_get_monotonic_time() - begun;

@@ -10,7 +10,7 @@ enum {
   SEGMENT_BEGINS = 4,
   STRIPE_ENDS = 2,
   RECTANGLE = 8,
-  ARRAY = 6, /* before a repeated rectangle */
+  ARRAY = 6, /* record that precedes a repeated rectangle */
   FILE_ENDS = 2
 };
 

@@ -328,7 +328,8 @@ static void test_picture(void) {
         near_colour(pixel(&p, column(&p, 125), row(&p, 500)), 0x081d58, 3));
     g_assert_true(
         near_colour(pixel(&p, column(&p, 250), row(&p, 500)), 0xffffd9, 3));
-    double quarter = 125 + pitch / (2 * M_PI) * acos(-0.5); /* at 0.75 */
+    double quarter =
+        125 + pitch / (2 * M_PI) * acos(-0.5); /* x of intensity 0.75 */
     g_assert_true(
         near_colour(pixel(&p, column(&p, quarter), row(&p, 500)), 0xc7e9b4, 6));
     /* Contours: the first one solid, half of the second in dashes. */
@@ -389,7 +390,7 @@ static void test_lens(void) {
             &w, 2, &l);
   p = load_picture("image.png", 0.25);
   g_assert_cmpint(p.height, >, without + 100);
-  g_assert_cmpint(rows_with(&p, 0xff9a1f), >=, 2); /* its frame */
+  g_assert_cmpint(rows_with(&p, 0xff9a1f), >=, 2); /* frame of the lens */
   cairo_surface_destroy(p.surface);
 }
 

@@ -422,10 +422,12 @@ static void test_layers(void) {
   g_assert_cmphex(metal, !=, pixel_at(&m, SIDE, 500, 200)); /* poly */
   g_assert_cmphex(metal, !=, pixel_at(&m, SIDE, 800, 600)); /* active */
   g_assert_cmpfloat(brightness(edge), <, brightness(metal) - 30);
-  double least = acos(-0.8) / (2 * M_PI) * SIDE; /* its print, at y = 500 */
+  double least = acos(-0.8) / (2 * M_PI) *
+                 SIDE; /* x of the contour of the third layer, at y = 500 */
   g_assert_cmpfloat(darkest_near(&m, least, 500, 8, &where), <, 100);
   g_assert_cmpint(ABS(where), <=, 1);
-  g_assert_cmpint(m.height, >=, height); /* named in the legend */
+  g_assert_cmpint(m.height, >=,
+                  height); /* the legend has a further line for the layer */
   cairo_surface_destroy(m.surface);
   drawing_clear(&d);
 }

@@ -76,7 +76,8 @@ static int forward_extract(const void *self, const eda_slices *in,
                            eda_performance *out, opc_error *error) {
   const try_shim *shim = self;
   const eda_extractor *o = shim->plugin->functions;
-  for (size_t i = 0; i < in->count; i++) /* detects missing results */
+  for (size_t i = 0; i < in->count;
+       i++) /* NAN marks results that the plugin does not set */
     out->ion[i] = out->ioff[i] = out->leq_ion[i] = out->leq_ioff[i] =
         out->weq[i] = out->area[i] = NAN;
   return *shim->code = o->extract(shim->plugin->self, in, out, error);

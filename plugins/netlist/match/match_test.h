@@ -88,7 +88,8 @@ static inline char *text_of(const char *path) {
 static inline char *in_folder(const char *name, const char *text, gssize n) {
   char *path = g_build_filename(opc_test_folder(), name, NULL);
   if (!text) return path;
-  /* A new file: replacing an existing one waits for the disk. */
+  /* Create a new file, because some file systems flush a replaced file to the
+     disk. */
   g_unlink(path);
   FILE *file = fopen(path, "wb");
   size_t bytes = n < 0 ? strlen(text) : (size_t)n;

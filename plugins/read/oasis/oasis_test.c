@@ -466,7 +466,8 @@ static void test_flipped(void) {
     for (int round = 0; round < rounds; round++) {
       g_autofree char *copy = g_memdup2(bytes, n);
       int flips = g_rand_int_range(rand, 1, 6);
-      for (int k = 0; k < flips; k++) { /* END is padding except for its sum */
+      for (int k = 0; k < flips;
+           k++) { /* END has only padding and a checksum: not changed */
         int at = g_rand_int_range(rand, 0, (gint32)n - 250);
         copy[at] = (char)(copy[at] ^ 1 << g_rand_int_range(rand, 0, 8));
       }
@@ -498,7 +499,7 @@ static void test_circles(void) {
   g_assert_nonnull(strstr(e.message, "cycle"));
   g_assert_cmpint(eda_layout_flatten(layout, 0, 0, 1, &flat, &e), !=, 0);
   eda_layout_free(layout);
-  f = g_byte_array_new(); /* tables at the place of START */
+  f = g_byte_array_new(); /* the offsets of all tables point to START */
   g_byte_array_append(f, (const uint8_t *)EDA_OASIS_MAGIC, 13);
   values_put(f, "btrb", EDA_OASIS_START, "1.0", 1000, 0);
   for (int i = 0; i < 6; i++) values_put(f, "bb", 1, 13);
@@ -531,7 +532,7 @@ static void test_arrays(void) {
              1ul, million, million, 20ul, 20ul);
   assert_refused(file_finish(f), OPC_IO,
                  "too many shapes for the length of the file");
-  f = new_cell(); /* bounded memory and time */
+  f = new_cell(); /* fewer members than above, but still too many */
   values_put(f, "bbuuuuuuuuu", EDA_OASIS_RECTANGLE, 0x67, 1ul, 2ul, 3ul, 4ul,
              1ul, 1030ul, 1030ul, 20ul, 20ul);
   assert_refused(file_finish(f), OPC_IO,
@@ -541,7 +542,7 @@ static void test_arrays(void) {
              million, 0ul, 0ul);
   assert_refused(file_finish(f), OPC_IO,
                  "too many shapes for the length of the file");
-  f = new_cell(); /* a long name, repeatedly */
+  f = new_cell(); /* many instances with a long name */
   g_autofree char *name = g_strnfill(100000, 'n');
   values_put(f, "bbt", EDA_OASIS_PLACEMENT, 0x80, "A");
   values_put(f, "bbtuuut", EDA_OASIS_PROPERTY, 0x24, "S_GDS_PROPERTY", 8ul,
@@ -550,7 +551,7 @@ static void test_arrays(void) {
     values_put(f, "bbb", EDA_OASIS_PLACEMENT, 0, EDA_OASIS_PROPERTY_AGAIN);
   assert_refused(file_finish(f), OPC_IO,
                  "too many shapes for the length of the file");
-  f = new_cell(); /* a long polygon, repeatedly */
+  f = new_cell(); /* many polygons that repeat a long point list */
   values_put(f, "bbuuuu", EDA_OASIS_POLYGON, 0x23, 1ul, 2ul, 4ul, 100000ul);
   for (int i = 0; i < 100000; i++)
     values_put(f, "u", 1ul << 4 | (i % 2 ? 2 : 0));
