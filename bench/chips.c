@@ -19,7 +19,7 @@
 #include "bench/bench.h"
 
 /* Pitch of the memory array, um, and number of transistors in the array cell.
-   The pitch is the box of the cell with a margin. */
+   The pitch is the size of the cell plus a margin. */
 enum { PITCH_X = 4, PITCH_Y = 13, TRANSISTORS = 192 };
 
 static const char *setting(const char *name, const char *preset) {

@@ -172,7 +172,8 @@ static void test_nangate(void) {
 
 /* A flip-flop with little space at line ends. Gates are widened where the poly
    continues, but not where a thin line end would reach the channel. If both
-   sides shared W, the worst gate would leak three times its drawn Ioff. */
+   sides had the same displacement of W, the worst gate would leak three times
+   its drawn Ioff. */
 static void test_flip_flop(void) {
   g_autofree char *file = find_data("nangate45/NangateOpenCellLibrary.gds");
   if (!file) return;

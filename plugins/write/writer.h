@@ -15,8 +15,8 @@ typedef struct write_format {
   const char *layer;  /* example of a layer, for messages: "9/0" */
   size_t most_points; /* largest number of points of a polygon */
 
-  /* Write the default name of layer k of a mask into `name`, 64 bytes; `drawn`:
-     of the layer of drawn shapes. */
+  /* Write the default name of layer k of a mask into `name`, 64 bytes. `drawn`
+     1: the name of the layer with the drawn shapes of layer k. */
   void (*name_layer)(const eda_gates *gates, size_t k, int drawn, char *name);
 
   /* Set the layer of the following polygons and texts. Return 0 if `layer` is

@@ -153,7 +153,7 @@ static void lay_map(const layer *l, opc_node *under, const opc_node *over) {
       (map_continues_key(over, under) || map_continues_key(under, over)))
     undotted = undot_both(under, over, l->problems);
   if (undotted) over = undotted;
-  /* Key of the upper map -> index + 1, for keys that are not yet applied. */
+  /* Key of `over` -> index + 1, for keys that are not yet applied. */
   g_autoptr(GHashTable) left = g_hash_table_new(g_str_hash, g_str_equal);
   gpointer *keys = under->keys->pdata, *items = under->items->pdata;
   guint n = 0, before = under->keys->len;

@@ -20,9 +20,9 @@ typedef struct image_distance {
 /* Means over the gates in the window, measured at their centres; NAN if no gate
    prints. */
 typedef struct image_gates {
-  double cd;   /* mean printed length (of active: width), nm */
+  double cd;   /* mean printed length; for active, mean printed width; nm */
   double ils;  /* image log slope: mean of |dI/dl| / I at both edges, 1/nm */
-  double nils; /* smallest drawn length times log slope (normalised) */
+  double nils; /* smallest product of drawn length and log slope (NILS) */
   int64_t failed;
 } image_gates;
 

@@ -112,7 +112,8 @@ void partition_make(const graph *g, partition *out);
 int partition_refine(partition *p);
 /* Split a class by the marks of its nodes. */
 void partition_split(partition *p, uint32_t class);
-/* Make two nodes, one of each side, a class, as counterparts. */
+/* Make counterparts of two nodes, one of each side: put both into a class of
+   their own. */
 void partition_pick(partition *p, uint32_t a, uint32_t b);
 /* Revert splits until `classes` classes remain. */
 void partition_undo(partition *p, uint32_t classes);

@@ -266,7 +266,8 @@ static void test_delete(void) {
 }
 
 /* Test the top cell: the single symbol called without transformation, or a cell
-   with the name of the file. Symbols not reachable from it are dropped. */
+   with the name of the file. Symbols that the top cell does not use are
+   dropped. */
 static void test_top(void) {
   static const struct {
     const char *calls, *more, *top;
@@ -399,7 +400,8 @@ static void test_own_cells(void) {
   }
 }
 
-/* Test symbols of equal names whose numbered names belong to other symbols. */
+/* Test symbols with equal names. The numbers that make the names different must
+   not lead to names of other symbols. */
 static void test_names(void) {
   enum { MANY = 30000 };
   g_autoptr(GString) text = g_string_new(NULL);
