@@ -53,8 +53,9 @@ OPC_EXPORT int eda_check_performance(const eda_gates *gates, size_t first,
                                      const eda_performance *performance,
                                      opc_error *error);
 
-/* Check the fragments that a synthesizer defines for a layer. Check its moves;
-   fragments[gates->layers] is the number of these fragments of each layer. */
+/* eda_check_cuts: check the fragments that a synthesizer defines for a layer.
+   eda_check_moves: check the moves of a synthesizer; fragments[gates->layers]:
+   number of the fragments of each layer. */
 OPC_EXPORT int eda_check_cuts(const eda_gates *gates, int layer,
                               const eda_cuts *cuts, opc_error *error);
 OPC_EXPORT int eda_check_moves(const eda_gates *gates, const eda_moves *moves,
@@ -69,7 +70,8 @@ OPC_EXPORT int eda_check_violations(const eda_violation *violations, size_t n,
    copies of the arrays between guard words, which detect writes beyond an
    array. Texts must be UTF-8 of at most 200 bytes; they are copied and never
    freed. Return OPC_OK and the results, or a code and *error for eda_blame. On
-   failure *done, *verdict and *field are undefined, other results unchanged. */
+   failure, *done, *verdict and *field are undefined, and other results are
+   unchanged. */
 
 /* Call eda_synthesizer.update; `fragments` as in eda_check_moves. */
 OPC_EXPORT int eda_call_update(const opc_context *context,

@@ -40,8 +40,9 @@ typedef struct eda_chip_box {
 /* Result of the simulation of a transistor, shared by all transistors with the
    same mask shapes in their optical environment. */
 typedef struct eda_chip_print {
-  eda_figures design, before, after; /* of the drawn shapes; of the contours of
-                                        the drawn and of the corrected mask */
+  eda_figures design, before, after; /* figures of the drawn shapes; figures of
+                                        the contours of the drawn and of the
+                                        corrected mask */
   uint32_t flags_before, flags;      /* EDA_PRINT_* */
   uint32_t violations;               /* number of violated design rules */
 } eda_chip_print;
@@ -49,11 +50,11 @@ typedef struct eda_chip_print {
 typedef struct eda_chip {
   const eda_layout *layout; /* must outlive the chip */
   int32_t top;
-  eda_segment_settings segment; /* of windows; its texts belong to the creator
-                                   and must outlive the chip */
-  double grid;                  /* nm */
+  eda_segment_settings segment; /* settings of windows; the texts belong to the
+                                   creator and must outlive the chip */
+  double grid;                  /* mask grid, nm */
   eda_box extent;     /* bounding box of all drawn shapes, grid units */
-  size_t layers;      /* of eda_gates */
+  size_t layers;      /* number of layers, as in eda_gates */
   char **layer;       /* names; freed with free() */
   uint8_t *corrected; /* 1: corrected layer; eda_chip_free frees this and all
                          further arrays by free() */
@@ -76,9 +77,9 @@ OPC_EXPORT int eda_chip_check(const void *chip, opc_error *error);
 OPC_EXPORT size_t eda_chip_find(const eda_chip *chip, eda_box box);
 
 /* Return the displacements of the gates of a window of the chip's layout, which
-   has the chip's grid and layers; free with eda_moved_free. Displacements are 0
-   for a gate that the chip lacks, for example one that the window cuts.
-   [any] */
+   has the chip's grid and layers; the caller frees them with eda_moved_free.
+   Displacements are 0 for a gate that the chip lacks, for example one that the
+   window cuts. [any] */
 OPC_EXPORT eda_moved *eda_chip_moved(const eda_chip *chip,
                                      const eda_gates *window);
 
@@ -87,8 +88,9 @@ OPC_EXPORT eda_moved *eda_chip_moved(const eda_chip *chip,
 OPC_EXPORT void eda_chip_move(const eda_chip *chip, size_t gate, eda_box at,
                               eda_moved *to, size_t i);
 
-/* Transform the box `own` from the own coordinates of the gate with the box
-   `gate` to layout coordinates; and the box `placed` back. [any] */
+/* eda_chip_place: transform the box `own` from the own coordinates of the gate
+   with the box `gate` to layout coordinates. eda_chip_own: transform the box
+   `placed` from layout coordinates to own coordinates. [any] */
 OPC_EXPORT eda_box eda_chip_place(eda_box gate, uint8_t axis, uint8_t flip,
                                   eda_box own);
 OPC_EXPORT eda_box eda_chip_own(eda_box gate, uint8_t axis, uint8_t flip,

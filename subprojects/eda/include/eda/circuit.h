@@ -43,8 +43,8 @@ typedef struct eda_circuit {
 } eda_circuit;
 
 /* Return a circuit with zeroed arrays for `nets`, `ports` and `count` devices.
-   The caller allocates texts and fingers from circuit->memory. Free a circuit
-   with all its memory (NULL: do nothing). */
+   The caller allocates texts and fingers from circuit->memory.
+   eda_circuit_free: free a circuit with all its memory (NULL: do nothing). */
 OPC_EXPORT eda_circuit *eda_circuit_new(const eda_gates *gates,
                                         const char *name, size_t nets,
                                         size_t ports, size_t count);

@@ -5,9 +5,10 @@
    straight line with the slope at the end of the table. The slope is limited to
    0.5 to 2 times the mean slope of the outermost tenth of the table. The
    current then changes with length even if the table has a flat or noisy end.
-   It is constant below a quarter of the shortest length, above four times the
-   longest length, and after a change by a factor of e^20. Use extrapolated
-   values only to steer a correction (errors: docs/reference/devices.md).
+   The extrapolated current is constant below a quarter of the shortest length,
+   above four times the longest length, and after a change by a factor of e^20.
+   Use extrapolated values only to steer a correction (errors:
+   docs/reference/devices.md).
 
    A table of several widths has such curves for each width. Between two widths,
    the logarithm of the current per width is interpolated linearly in 1 / W. The
@@ -69,9 +70,10 @@ OPC_EXPORT double eda_curves_length(const eda_curves *curves, int type,
 
 OPC_EXPORT eda_curves_width eda_curves_among(const eda_curves *curves,
                                              double width);
-/* As eda_curves_at and eda_curves_length, for the width from eda_curves_among.
-   If several lengths have the same current, return the length nearest to
-   `near`, nm. If no length near `near` has the current, return `near`. */
+/* Return the same as eda_curves_at and eda_curves_length, for the width from
+   eda_curves_among. If several lengths have the same current, return the length
+   nearest to `near`, nm. If no length near `near` has the current, return
+   `near`. */
 OPC_EXPORT double eda_curves_narrow_at(const eda_curves *curves, int type,
                                        int current, double length,
                                        const eda_curves_width *width);
@@ -79,8 +81,8 @@ OPC_EXPORT double eda_curves_narrow_length(const eda_curves *curves, int type,
                                            int current, double logarithm,
                                            const eda_curves_width *width,
                                            double near);
-/* Return the minimum over all lengths of the ratio of currents per width: a
-   transistor of this width relative to a wide transistor; at most 1. */
+/* Return the minimum, over all lengths, of the current per width of a
+   transistor of this width divided by that of a wide transistor; at most 1. */
 OPC_EXPORT double eda_curves_least_share(const eda_curves *curves, int type,
                                          int current,
                                          const eda_curves_width *width);
@@ -91,7 +93,8 @@ OPC_EXPORT double eda_curves_longest(const eda_curves *curves);
 OPC_EXPORT double eda_curves_narrowest(const eda_curves *curves);
 
 /* Compute exp(eda_curves_at) of both currents. Within the table the function is
-   faster and has a relative error of 1e-5; beyond, it calls eda_curves_at. */
+   faster and has a relative error of 1e-5; beyond the table, it calls
+   eda_curves_at. */
 static inline void eda_curves_quick(const eda_curves *curves, int type,
                                     double length,
                                     double current[EDA_CURRENTS]) {

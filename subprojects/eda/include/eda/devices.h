@@ -16,7 +16,7 @@ typedef struct eda_devices {
   double *length;
   double *ion[2];
   double *ioff[2];
-  double supply; /* V */
+  double supply; /* supply voltage, V */
   double width;  /* width of the simulated transistors, nm */
   char *name;
   /* Number of further widths, below `width`; these widths, nm, increasing;

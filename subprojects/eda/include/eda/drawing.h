@@ -54,7 +54,8 @@ typedef struct eda_paper {
   cairo_t *cairo; /* drawing context */
   double width, height;
   double font;   /* text height */
-  double margin; /* left and right of titles and legends; may be changed */
+  double margin; /* left and right of titles and legends; the caller may change
+                    it */
   int pixels;    /* 1 for a .png: align lines to pixels */
 } eda_paper;
 

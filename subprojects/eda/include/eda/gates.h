@@ -35,7 +35,7 @@ enum {
    counter-clockwise, holes clockwise); outward movement is to the right. */
 typedef struct eda_fragment {
   eda_point from;
-  int32_t gate; /* transistor; -1: none */
+  int32_t gate; /* index of the transistor; -1: none */
   uint8_t role;
 } eda_fragment;
 
@@ -104,8 +104,9 @@ typedef struct eda_gates {
 
   void *texts; /* storage of the texts above; private to eda */
 
-  /* Serial number of the object in this process. Caches compare it to detect
-     other gates at the same address. 0: not from eda_gates_new. Since 0.6. */
+  /* Serial number of the object in this process. Caches compare this number to
+     detect other gates at the same address. 0: not from eda_gates_new. Since
+     0.6. */
   uint64_t serial;
 
   /* Flavour of each transistor: a device variant such as "lvt", identified by
@@ -190,15 +191,16 @@ typedef struct eda_performance {
   double *ion, *ioff;
   double *leq_ion, *leq_ioff; /* length of the rectangular gate with the same
                                  current */
-  double *weq;                /* its width */
+  double *weq;                /* width of this rectangular gate */
   double *area;
   /* 1: figures beyond the range of the device table, valid for steering only;
      otherwise 0. */
   uint8_t *outside;
 } eda_performance;
 
-/* Allocate zeroed arrays of n; free the arrays; copy all figures to a struct of
-   the same `count`. [any] */
+/* eda_performance_init: allocate zeroed arrays of n elements.
+   eda_performance_clear: free the arrays. eda_performance_copy: copy all
+   figures to a struct of the same `count`. [any] */
 OPC_EXPORT void eda_performance_init(eda_performance *performance, size_t n);
 OPC_EXPORT void eda_performance_clear(eda_performance *performance);
 OPC_EXPORT void eda_performance_copy(eda_performance *to,
@@ -238,9 +240,9 @@ enum { EDA_PART_END = 1 << 20 };
 enum { EDA_FLIP_L = 1 << 0, EDA_FLIP_W = 1 << 1 };
 
 /* Displacements of mask edges from the drawn position, grid steps, for example
-   as start of another correction. `w`, `aside`, `l`, `jog`, `part` as in
-   eda_moves (synthesizer.h), `end` as in eda_ruling (regulator.h), in layout
-   coordinates, mirrored according to `flip`. */
+   as start of another correction. `w`, `aside`, `l`, `jog` and `part` are as in
+   eda_moves (synthesizer.h), `end` as in eda_ruling (regulator.h). All are in
+   layout coordinates, mirrored according to `flip`. */
 typedef struct eda_moved {
   size_t layers, gates;
   int32_t *w, *aside, *l, *jog;
@@ -264,8 +266,8 @@ typedef struct eda_violation {
      rule; otherwise the correction is at fault. Constant if from a
      regulator. */
   const char *rule;
-  int32_t gate;        /* transistor; -1: none */
-  double x, y;         /* nm */
+  int32_t gate;        /* index of the transistor; -1: none */
+  double x, y;         /* position, nm */
   double value, limit; /* measured value and limit: nm, or a count */
 } eda_violation;
 

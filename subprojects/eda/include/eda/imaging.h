@@ -24,7 +24,7 @@ typedef struct eda_frame {
 typedef struct eda_field {
   eda_frame frame;
   int32_t nx, ny;      /* dx = width / nx, dy = height / ny */
-  float *coefficients; /* from eda_alloc */
+  float *coefficients; /* allocated by eda_alloc */
 } eda_field;
 
 /* Return i modulo n > 0, in 0 .. n - 1, for periodic node numbers. [any] */
@@ -44,7 +44,7 @@ typedef struct eda_spectrum {
   eda_frame frame;
   double band;
   int32_t columns, rows; /* rows is odd */
-  float *data;           /* from eda_alloc */
+  float *data;           /* allocated by eda_alloc */
 } eda_spectrum;
 
 /* Symmetry of a kernel. Its transfer function at (fx, -fy) equals the transfer

@@ -34,7 +34,7 @@ typedef struct eda_finder {
   const eda_index *index;
   eda_box window, cells; /* cells: columns x0 .. x1, rows y0 .. y1 */
   int32_t column, row;
-  int64_t left, below; /* start of the cell */
+  int64_t left, below; /* lower left corner of the current cell */
   uint32_t at, end;
 } eda_finder;
 

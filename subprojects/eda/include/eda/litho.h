@@ -14,7 +14,7 @@ typedef struct eda_litho {
   int (*prepare)(void *self, opc_error *error);
 
   /* Return the highest spatial frequency of masks, 1/nm, that the model uses.
-     Also called before `prepare`; 0: not yet known. [any] */
+     0: not yet known; the function is also called before `prepare`. [any] */
   double (*band)(const void *self);
 
   /* Compute the intensity of the mask of a layer; `layer`: number

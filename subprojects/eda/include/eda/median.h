@@ -12,8 +12,8 @@ OPC_C_BEGIN
 enum { EDA_MEDIAN_FEWEST = 5 };
 
 typedef struct eda_median {
-  double value, low, high; /* median, interval; NAN if n = 0, low and high if n
-                              is too small */
+  double value, low, high; /* median; ends of the interval. `value` is NAN if n
+                              = 0; `low` and `high` are NAN if n is too small */
   int64_t n;               /* number of values */
 } eda_median;
 

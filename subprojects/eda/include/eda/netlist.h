@@ -44,7 +44,7 @@ typedef struct eda_subcircuit {
   eda_place at;
   size_t ports;
   const char **port;
-  size_t settings; /* parameters with default values */
+  size_t settings; /* number of parameters with default values */
   eda_assignment *setting;
   size_t elements, capacity;
   eda_element *element;
@@ -53,7 +53,8 @@ typedef struct eda_subcircuit {
   int state; /* 0 not prepared, 1 in progress, 2 prepared */
   size_t nodes, capacity_nodes;
   const char **node;
-  uint64_t devices; /* transistors, with those of all subcircuits below */
+  uint64_t devices; /* number of transistors, with those of all subcircuits
+                       below */
 } eda_subcircuit;
 
 typedef struct eda_netlist {
@@ -76,11 +77,11 @@ typedef struct eda_netlist {
   eda_names global_of; /* .global nets */
   size_t globals, capacity_globals;
   const char **global;
-  size_t settings, capacity_settings; /* .param */
+  size_t settings, capacity_settings; /* number of parameters set by .param */
   eda_assignment *setting;
   eda_names setting_of;
-  double unit;     /* .option scale */
-  size_t left_out; /* omitted capacitors and diodes of subcircuits */
+  double unit;     /* value of .option scale, m */
+  size_t left_out; /* number of omitted capacitors and diodes of subcircuits */
 } eda_netlist;
 
 /* Scope of an expression: its subcircuit, as instance `call` in `caller`. */
@@ -114,7 +115,7 @@ typedef struct eda_transistor {
   const char *name; /* full path */
   const eda_element *from;
   uint32_t drain, gate, source, bulk;
-  double length, width; /* nm */
+  double length, width; /* size, nm */
   uint32_t fingers;     /* 0: not given by the netlist */
 } eda_transistor;
 
@@ -180,8 +181,8 @@ typedef struct eda_annotation {
 
 /* Numbers of written lines. */
 typedef struct eda_annotated {
-  size_t transistors; /* one for each finger */
-  size_t models;      /* cards with changed DLC */
+  size_t transistors; /* number of transistor lines, one for each finger */
+  size_t models;      /* number of model cards with changed DLC */
 } eda_annotated;
 
 /* Return the text of a .model card for each changed DLC and of one .subckt with

@@ -149,9 +149,10 @@ OPC_EXPORT int eda_measure_drawn(const opc_context *context,
 /* Deviations of printed transistors from the design, without failed
    transistors; NAN if none remains. Arrays: EDA_NMOS, EDA_PMOS, both. */
 typedef struct eda_spread {
-  double ion_mean[3], ion_sd[3]; /* deviation, % */
-  double ion_worst;              /* deviation with the largest absolute value,
-                                    % */
+  double ion_mean[3], ion_sd[3]; /* mean and standard deviation of the Ion
+                                    deviation, % */
+  double ion_worst;              /* Ion deviation with the largest absolute
+                                    value, % */
   double leakage[3]; /* total Ioff, relative to the same transistors as drawn */
   size_t failed, outside;
 } eda_spread;
@@ -164,7 +165,7 @@ OPC_EXPORT eda_spread eda_spread_of(const eda_gates *gates,
 
 /* A section through the middle of a gate. */
 typedef struct eda_section {
-  double length;    /* printed, nm; NAN: open or merged */
+  double length;    /* printed length or width, nm; NAN: open or merged */
   double low, high; /* image log slope |dI/dl| / I at the ends, 1/nm */
 } eda_section;
 

@@ -52,7 +52,7 @@ typedef struct eda_regulator {
   int (*rule)(void *self, const eda_printed *printed, eda_ruling *ruling,
               opc_error *error);
 
-  /* Write the violations of a simulation, at most `most`; set *count to the
+  /* Write at most `most` violations of a simulation, and set *count to the
      number of all violations. [main] */
   int (*violations)(void *self, const eda_printed *printed,
                     eda_violation *violations, size_t most, size_t *count,

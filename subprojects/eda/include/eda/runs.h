@@ -54,7 +54,7 @@ typedef struct eda_run_metric {
   const char *unit; /* NULL: dimensionless */
   double value;     /* NAN: no value */
   int better;       /* EDA_RUN_LOWER ... */
-  double tolerance; /* largest insignificant difference; same unit */
+  double tolerance; /* largest insignificant difference, in `unit` */
 } eda_run_metric;
 
 /* A parameter of a step, or of the plugin in a slot of the step. The value of
@@ -69,7 +69,7 @@ typedef struct eda_run_file {
   const char *path; /* input: path as recorded by the run; output: path inside
                        the run folder */
   const char *sha256;
-  int64_t bytes; /* -1: not recorded (inputs) */
+  int64_t bytes; /* size in bytes; -1: not recorded (inputs) */
 } eda_run_file;
 
 typedef struct eda_run_plugin {

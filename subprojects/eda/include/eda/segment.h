@@ -44,7 +44,7 @@ typedef struct eda_segment_settings {
 
 /* Rounding of all layers to the grid. */
 typedef struct eda_segment_report {
-  size_t moved; /* number of moved vertices */
+  size_t moved; /* number of vertices that rounding moved */
   double worst; /* largest displacement, nm */
 } eda_segment_report;
 

@@ -12,7 +12,8 @@ typedef struct eda_setting {
   const char *name; /* "mask.synthesizer.fragment" */
   const char *unit; /* NULL: no unit */
   size_t count;
-  const double *values;     /* in this unit; NULL: the values are not numbers */
+  const double *values;     /* values in this unit; NULL: the values are not
+                               numbers */
   const char *const *texts; /* values as in the flow */
 } eda_setting;
 

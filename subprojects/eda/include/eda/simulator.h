@@ -30,10 +30,11 @@ typedef struct eda_spice_result {
    commands, one per line ("dc v1 0 1.1 0.01"). A failed command ends the run.
    Return OPC_INVALID and FILE:LINE:COLUMN, FILE being "deck" for the deck, if
    the deck or an included file contains a statement that does not describe a
-   circuit (simulator/README.md); OPC_FAILED and the simulator's first message
-   if it fails, crashes or takes longer than `limit` seconds; OPC_NO_PLUGIN if
-   the library of ngspice or the program that loads it is not installed. Several
-   runs may be active at once. [any]: see opcflow/plugin.h.
+   circuit (simulator/README.md); OPC_FAILED and the first message of the
+   simulator if the simulator fails, crashes or takes longer than `limit`
+   seconds; OPC_NO_PLUGIN if the library of ngspice or the program that loads it
+   is not installed. Several runs may be active at once. [any]: see
+   opcflow/plugin.h.
 
    `.osdi FILE` in the deck itself, before the devices that need it, loads a
    file of compiled models. The file is a shared object (Open Source Device

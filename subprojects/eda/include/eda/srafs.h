@@ -13,7 +13,8 @@ OPC_C_BEGIN
 /* Placement rules for scatter bars, in grid steps. */
 typedef struct eda_sraf_rule {
   int32_t rows;            /* rows beside an edge; 0: none */
-  int32_t width, distance; /* width of a bar; distance from drawn shapes */
+  int32_t width, distance; /* width of a scatter bar; distance from drawn
+                              shapes */
   int32_t space;           /* spacing between scatter bars */
   int32_t min_length;
   int32_t overhang; /* extension beyond the ends of the edge */
@@ -38,9 +39,9 @@ OPC_EXPORT int eda_srafs_place(const eda_sraf_edge *edges, size_t n,
                                const eda_shapes *drawn, eda_box_list *out,
                                opc_error *error);
 
-/* Remove the scatter bars that print or nearly print: the level set on the bar
-   exceeds -margin. Return the number of removed scatter bars. Coordinates are
-   in units of `grid` nm. [main] */
+/* Remove the scatter bars that print or nearly print: the level set on the
+   scatter bar exceeds -margin. Return the number of removed scatter bars.
+   Coordinates are in units of `grid` nm. [main] */
 OPC_EXPORT size_t eda_srafs_drop(const opc_context *context,
                                  eda_box_list *srafs, const eda_field *print,
                                  double grid, double margin);
@@ -48,30 +49,32 @@ OPC_EXPORT size_t eda_srafs_drop(const opc_context *context,
 /* Limits for scatter bars placed by a gradient map; lengths in grid steps. */
 typedef struct eda_sraf_limits {
   size_t most;                       /* largest number of scatter bars */
-  double min_gain;                   /* smallest gain of a bar, nm^2 */
-  int32_t least_width, most_width;   /* width of a bar */
-  int32_t least_length, most_length; /* length; at least least_width */
+  double min_gain;                   /* smallest gain of a scatter bar, nm^2 */
+  int32_t least_width, most_width;   /* smallest and largest width */
+  int32_t least_length, most_length; /* smallest and largest length;
+                                        least_length is at least least_width */
   int32_t distance, space; /* distance from drawn shapes (merged); spacing
                               between scatter bars */
 } eda_sraf_limits;
 
 /* Add to *srafs the rectangles with the largest gain that keep the spacing of
-   `rule`. `map` contains values at nodes: the cost per nm^2 of bar
-   (eda_coherent_gradient); the gain of a bar is minus its total cost. Bar edges
-   are midway between nodes, rounded to `grid` nm. Errors: see eda_fracture.
-   [any] */
+   `rule`. `map` contains values at nodes: the cost per nm^2 of a scatter bar
+   (eda_coherent_gradient); the gain of a scatter bar is minus its total cost.
+   The edges of scatter bars are midway between nodes, rounded to `grid` nm.
+   Errors: see eda_fracture. [any] */
 OPC_EXPORT int eda_srafs_search(const eda_field *map,
                                 const eda_sraf_limits *rule,
                                 const eda_shapes *drawn, double grid,
                                 eda_box_list *srafs, opc_error *error);
 
-/* Return the gain of a bar on a map of eda_srafs_search, nm^2. [any] */
+/* Return the gain of a scatter bar on a map of eda_srafs_search, nm^2. [any] */
 OPC_EXPORT double eda_srafs_gain(const eda_field *map, eda_box sraf,
                                  double grid);
 
-/* Move both long sides of the scatter bars that eda_srafs_drop would remove
-   inwards by `by` grid steps. Remove those narrower than `least` then, and add
-   their number to *dropped. Return the number changed. [main] */
+/* Narrow the scatter bars that eda_srafs_drop would remove: move both long
+   sides inwards by `by` grid steps. Remove scatter bars that are then narrower
+   than `least`, and add their number to *dropped. Return the number of changed
+   scatter bars. [main] */
 OPC_EXPORT size_t eda_srafs_narrow(const opc_context *context,
                                    eda_box_list *srafs, const eda_field *print,
                                    double grid, double margin, int32_t by,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kind "synthesizer": drives the correction loop. It computes the next edge
-   displacements from the simulation of the last mask. Kind, [main]: see
-   opcflow/plugin.h. */
+/* Kind "synthesizer": drives the correction loop. A synthesizer computes the
+   next edge displacements from the simulation of the last mask. Kind, [main]:
+   see opcflow/plugin.h. */
 #pragma once
 
 #include <eda/gates.h>
@@ -126,8 +126,8 @@ typedef struct eda_synthesizer {
      [main] */
   int (*begin)(void *self, const eda_feedback *feedback, opc_error *error);
 
-  /* Compute the next moves; on entry they are those of the simulated mask.
-     *done = 1 ends the loop with `moves` as the result, which the loop
+  /* Compute the next moves; on entry, `moves` contains those of the simulated
+     mask. *done = 1 ends the loop with `moves` as the result, which the loop
      simulates if it differs from the simulated mask. [main] */
   int (*update)(void *self, const eda_feedback *feedback, eda_moves *moves,
                 int *done, opc_error *error);
@@ -155,9 +155,11 @@ typedef struct eda_synthesizer {
 /* Parameter of a synthesizer that corrects L and W; uses the member max_bias,
    nm. */
 #define EDA_MAX_BIAS(self_type)                                                \
-  OPC_PARAMETER(                                                               \
-      self_type, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST, \
-      .unit = "nm", .follows = "0.311 lambda/NA", .max = 10000,                \
-      .summary = "largest correction of L or W; W moves by at most half of W")
+  OPC_PARAMETER(self_type, max_bias, .type = OPC_REAL,                         \
+                .flags = OPC_ABOVE | OPC_AT_MOST, .unit = "nm",                \
+                .follows = "0.311 lambda/NA", .max = 10000,                    \
+                .summary =                                                     \
+                    "largest correction of L or W; W also changes by at most " \
+                    "half of the drawn W")
 
 OPC_C_END

@@ -32,7 +32,7 @@ typedef struct eda_timing_device {
   const char *name; /* name in the cell */
   uint8_t type;     /* EDA_NMOS, EDA_PMOS */
   uint32_t drain, gate, source, bulk;
-  double length, width; /* nm, as drawn */
+  double length, width; /* drawn size, nm, as drawn */
   uint32_t bundle;      /* index of its group (bundle) of equivalent
                            transistors */
   double share;         /* share of the effect of the bundle */
@@ -121,7 +121,7 @@ OPC_EXPORT int eda_timing_check(const void *timing, opc_error *error);
 OPC_EXPORT const eda_timing_cell *eda_timing_find(const eda_timing *timing,
                                                   const char *name);
 
-/* Allocate the tables of a cell; its other fields must be set before. */
+/* Allocate the tables of a cell, whose other fields must be set before. */
 OPC_EXPORT void eda_timing_cell_figures(eda_pool *pool, eda_timing_cell *cell);
 
 /* Compute delay[slews] and slew[slews] of an arc at all slews of the grid.
@@ -132,7 +132,8 @@ OPC_EXPORT void eda_timing_at(const eda_timing_cell *cell,
                               double slew_load, const double *change,
                               double *delay, double *slew);
 
-/* Return the capacitance of an input pin; `change` as above. [any] */
+/* Return the capacitance of an input pin; `change`: as for eda_timing_at.
+   [any] */
 OPC_EXPORT double eda_timing_capacitance(const eda_timing_cell *cell,
                                          size_t input, int rises, int cap,
                                          const double *change);

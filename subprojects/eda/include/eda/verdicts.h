@@ -36,11 +36,12 @@ typedef struct eda_change {
   const char *name;   /* "ion" */
   const char *title;  /* "Ion" */
   const char *unit;   /* unit of changes: "points", "%" or "" */
-  double base, value; /* of both methods: means over all transistors, or sums
-                         over all cases */
-  double change;      /* from base to value */
-  eda_median median;  /* of the changes of median.n cells or cases */
-  int64_t n;          /* transistors or cases; 0: no run has the figure */
+  double base, value; /* values of both methods: means over all transistors, or
+                         sums over all cases */
+  double change;      /* change from `base` to `value` */
+  eda_median median;  /* median of the changes of median.n cells or cases */
+  int64_t n;          /* number of transistors or cases; 0: no run has the
+                         figure */
   int64_t better, worse, same; /* numbers of transistors or cases */
   int verdict;                 /* EDA_VERDICT_SAME ... */
   const char *word;            /* "same", "better", "worse", "too few" */
@@ -52,7 +53,7 @@ typedef struct eda_run_pair {
 
 typedef struct eda_verdict {
   char *method, *against;
-  eda_change changes[EDA_CHANGES]; /* from `against` to `method` */
+  eda_change changes[EDA_CHANGES]; /* changes from `against` to `method` */
   char *text; /* the sentence; begins with the better method */
 } eda_verdict;
 
