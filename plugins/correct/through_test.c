@@ -108,7 +108,8 @@ static void test_one(void) {
   object_drop(reader, layout);
 }
 
-/* A list parameter has its own unit. */
+/* A single value in place of a list is refused; the message shows the form of a
+   list with its unit. */
 static void test_unit(void) {
   opc_error error = {0};
   g_assert_null(
@@ -117,8 +118,9 @@ static void test_unit(void) {
 }
 
 /* Defaults at 248 nm, NA 0.7, where wavelength / NA is 354.3 nm: 11.658, 0.155
-   and 0.078 times this value. Given values stay, also those in units of another
-   wavelength; lengths of unused features have no value. */
+   and 0.078 times this value. Values that the flow sets are not changed,
+   including multiples of another wavelength; lengths of unused features have no
+   value. */
 static void test_follows(void) {
   g_autofree char *devices = source("data/devices/ptm65.yaml");
   static const struct {
@@ -150,8 +152,9 @@ static void test_follows(void) {
   }
 }
 
-/* A margin below that of the stated error is a finding with the error of the
-   margin, which README.md measures; a very small margin is refused. */
+/* A margin that causes a larger error than stated is a finding, which names the
+   error of the margin (measured in README.md); a very small margin is
+   refused. */
 static void test_margin(void) {
   static const struct {
     const char *given, *expected;

@@ -230,7 +230,8 @@ void traversal_sources(const bench *b, const machine *m, const traversal *w,
 /* Write the command of the transient analysis. */
 void traversal_command(const machine *m, const traversal *w, FILE *out);
 
-/* Mark the first recurrent states (states_find) reached from power-up. */
+/* Mark the set of recurrent states (states_find) that is reached first from
+   power-up. */
 void states_leading_to(const bench *b, const machine *m, uint8_t *mark);
 
 /* Extend an empty traversal by changes that lead to the same state from all

@@ -66,8 +66,8 @@ typedef struct radial {
   double *blend;        /* weights from nodes to table: [TABLE + 2][OTHER] */
   int begin[TABLE + 2]; /* first node of each row of `blend` */
   double at_node[NODES], diagonal[TABLE + 2]; /* T(f, f) */
-  double *pairs;        /* T of pairs of every other node: [pair][angle]; NULL:
-                           use the orders */
+  double *pairs;        /* T at pairs of every second node, [pair][angle]; NULL:
+                           T is computed from the angular orders */
   double bound[ORDERS]; /* upper bound of each order's eigenvalues */
   int solved;           /* number of orders with known R */
   eigen *sorted;        /* eigenfunctions of solved orders, strongest first */

@@ -36,7 +36,7 @@ OPC_EXPORT int correct_settings_check(correct_settings *with,
                                       const opc_host *host, opc_error *error);
 
 /* Estimate memory and work of simulating all corrected layers in parallel.
-   `prints` states the number of simulations ("at most 101 prints");
+   `prints`: text for the number of simulations, such as "at most 101 prints";
    `fine_prints` replaces `prints` if the model has accurate simulations. */
 OPC_EXPORT void correct_forecast(const correct_settings *with,
                                  const opc_host *host, const eda_gates *gates,

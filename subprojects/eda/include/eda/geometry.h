@@ -49,7 +49,8 @@ OPC_UNUSED static inline eda_box eda_box_grown(eda_box b, int32_t by) {
   return grown;
 }
 
-/* Return whether two boxes share a point, or an area. [any] */
+/* eda_boxes_touch: return whether two boxes share at least a point.
+   eda_boxes_overlap: return whether two boxes share an area. [any] */
 OPC_UNUSED static inline int eda_boxes_touch(eda_box a, eda_box b) {
   return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
 }

@@ -69,9 +69,9 @@ typedef struct eda_moves {
   int32_t *l, *w;
 
   /* Length of a jog, grid steps along W from the LOW end of the fragment
-     (gates->edges). Over this length, the poly edge that l + 1 would move is
-     one step further out: HIGH if `l` is even, otherwise LOW. 0: no jog; the
-     length of the fragment or more: as l + 1. */
+     (gates->edges). Over this length, one poly edge is one step further out:
+     the HIGH edge if `l` is even, otherwise the LOW edge. 0: no jog. A jog as
+     long as the fragment has the same effect as `l` increased by 1. */
   int32_t *jog;
 
   /* [layers]: outward displacement of each fragment of `cut` from its drawn
@@ -86,8 +86,9 @@ typedef struct eda_moves {
 
   /* Parts of gate i at [EDA_PARTS * i + k], ordered, without overlap, ended by
      an empty part (from >= to). Parts are clipped where the fragments of the
-     gate end. l + by is distributed over both sides as `l`; `jog` is added, on
-     the side that `l` determines. Since 0.2; NULL in a loop without parts. */
+     gate end. The sum l + by is divided between both sides in the same way as
+     `l`; `jog` is added, on the side that `l` determines. Since 0.2; NULL in a
+     loop without parts. */
   eda_part *part;
 
   /* Displacement of both active edges of each gate towards HIGH, grid steps, to
@@ -117,7 +118,7 @@ typedef struct eda_cuts {
 enum {
   /* The regulator may change line ends and added shapes together with the first
      moves. Otherwise the regulator finishes before the first moves, because the
-     synthesizer would attribute its effect to the moves. */
+     synthesizer would attribute the effect of the regulator to the moves. */
   EDA_SYNTHESIZER_ENDS_ANYTIME = 1 << 0
 };
 
