@@ -16,10 +16,12 @@ typedef struct inner_flow {
   /* Set by the test. */
   const opc_inner_axis *axes;
   size_t n_axes;
-  const opc_metric *metric; /* the only metric, at `path` */
+  const opc_metric *metric; /* the metric at `path` */
   const char *path;         /* "mask.ion" */
-  const char *mask;         /* the step with a mask; NULL: none */
-  void *object;             /* object that represents the mask */
+  const opc_metric *more;   /* a further metric; more_path NULL: none */
+  const char *more_path;
+  const char *mask; /* the step with a mask; NULL: none */
+  void *object;     /* object that represents the mask */
   int (*point)(size_t point, opc_error *error); /* compute a run: set the
                                                    members below */
 
@@ -62,6 +64,7 @@ static inline const opc_metric *inner_metric(const opc_host *host,
                                              opc_error *error) {
   (void)host;
   if (inner.path && !strcmp(inner.path, path)) return inner.metric;
+  if (inner.more_path && !strcmp(inner.more_path, path)) return inner.more;
   opc_fail(error, OPC_INVALID, NULL, "no metric '%s'", path);
   return NULL;
 }

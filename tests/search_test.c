@@ -274,8 +274,8 @@ static void test_refused(void) {
                  "bad.yaml:10:15: step 'best' (search): 'ion_mean' does not "
                  "name a metric, expected 'step.metric'\n");
   assert_refused(HEAD AXES,
-                 "bad.yaml:4:3: step 'best' (search): a search requires either "
-                 "'minimise' or 'maximise'\n");
+                 "bad.yaml:4:3: step 'best' (search): a search requires one of "
+                 "'minimise', 'maximise' and 'weights'\n");
   assert_refused(HEAD LEAST,
                  "bad.yaml:4:3: step 'best' (search): a search requires a "
                  "'sweep', here or in 'inner.yaml'\n");

@@ -234,6 +234,29 @@ def chapter2_table(runs, number):
             "SNM right, %", "poly, bytes", "active, bytes", "correction, s"], rows
 
 
+CIRCUIT_METHODS = (("epe-once", "EPE"), ("pb-both", "PB"), ("dpb", "DPB"), ("ic", "IC"), ("plain", "newton"),
+                   ("area", "area"))
+
+
+def performance_table(runs, number):
+    """Largest deviations of circuits, %, by quantity and method."""
+    rows = []
+    for case in ("inverter", "nand2", "nor2", "chain", "sram"):
+        folders = {m: os.path.join(runs[""], "compare", case, m) for m, _ in CIRCUIT_METHODS}
+        if case == "sram":
+            for side in ("left", "right"):
+                key = "snm_%s_worst" % side
+                rows.append([case, "margin, " + side, number(metric(folders["dpb"], "circuit", key + "_before"), "2")] + [
+                    number(metric(f, "circuit", key), "2") for f in folders.values()])
+            continue
+        before = {r["quantity"]: float(r["worst before"]) for r in rows_of(folders["dpb"], "performance.csv")}
+        for quantity, name in (("rise time", "tr"), ("fall time", "tf"), ("delay, rising", "tpLH"),
+                               ("delay, falling", "tpHL")):
+            rows.append([case, name, number(before[quantity], "2")] + [
+                number(performance(f).get(quantity), "2") for f in folders.values()])
+    return ["circuit", "figure", "uncorrected"] + [name for _, name in CIRCUIT_METHODS], rows
+
+
 def numeric(text):
     return float(text) if text else None
 
@@ -440,7 +463,8 @@ def questions(flow, circuit_cases, path_options):
         dict(name="search", title="The best EPE-OPC", make=search_table,
              runs=[("chapter 2", flow("flows/search.yaml", variant="chapter2")),
                    ("chapter 3", flow("flows/search.yaml", variant="chapter3")),
-                   ("mask rules kept", flow("flows/search.yaml"))],
+                   ("mask rules kept", flow("flows/search.yaml")),
+                   ("Ion and Ioff", flow("flows/search.yaml", variant="leakage"))],
              pictures=[("search-chapter2.png", copied("chapter 2", "surface.png")),
                        ("search-chapter3.png", copied("chapter 3", "surface.png"))]),
         dict(name="circuits", title="EPE-, DPB- and IC-OPC on circuits", make=circuits_table, runs=circuits,
@@ -471,6 +495,8 @@ def questions(flow, circuit_cases, path_options):
                        ("nmos-pb.png", copied("", "compare/nmos/pb/mask.png")),
                        ("butterfly-epe.png", copied("", "compare/sram/epe/circuit.png")),
                        ("butterfly-pb.png", copied("", "compare/sram/pb/circuit.png"))]),
+        dict(name="performance", title="Circuits by all methods", make=performance_table,
+             runs=[("", flow("flows/chapter2.yaml", variant="circuits"))]),
         dict(name="library-cells", title="All cells by EPE- and DPB-OPC", make=cells_table,
              runs=[("", flow("flows/chapter3.yaml", cells))],
              pictures=[("transients.svg", transients_picture), ("cells.svg", cells_picture)]),

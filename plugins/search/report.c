@@ -13,8 +13,7 @@ eda_settings *search_settings(const search *s) {
     eda_settings_parameter(out, i, a->path, a->unit, a->count, a->values,
                            a->texts);
   }
-  eda_settings_figure(out, s->plan.figure, s->plan.metric->unit, s->figure,
-                      s->best);
+  eda_settings_figure(out, s->plan.figure, s->plan.unit, s->figure, s->best);
   return out;
 }
 

@@ -20,18 +20,54 @@ static int error_set_parameter(opc_error *error, const char *parameter,
   return error->code;
 }
 
+/* Add a metric to the objective; all metrics belong to the same step. */
+static int plan_term(search *s, const char *path, double weight,
+                     opc_error *error) {
+  plan *p = &s->plan;
+  const opc_metric *metric =
+      opc_get_inner(s->host)->metric(s->host, path, error);
+  if (!metric) return error->code;
+  g_autofree char *of = g_strndup(path, (gsize)(strrchr(path, '.') - path));
+  if (!p->of) p->of = g_steal_pointer(&of);
+  if (of && strcmp(of, p->of))
+    return opc_fail(error, OPC_INVALID, NULL,
+                    "expected a metric of '%s', like the first one", p->of);
+  p->terms = g_renew(term, p->terms, p->n_terms + 1);
+  p->terms[p->n_terms++] = (term){metric, weight};
+  return OPC_OK;
+}
+
+/* Set up the weighted sum of squares. */
+static int plan_weights(search *s, opc_error *error) {
+  s->plan.figure = "cost";
+  s->plan.weighted = 1;
+  for (size_t i = 0; i < s->weights.count; i++) {
+    const opc_pair *pair = &s->weights.pairs[i];
+    char *end;
+    double weight = g_ascii_strtod(pair->value, &end);
+    int code = end == pair->value || *end || !(weight >= 0) || isinf(weight)
+                   ? opc_fail(error, OPC_INVALID, NULL,
+                              "expected a number of at least 0, found '%s'",
+                              pair->value)
+                   : plan_term(s, pair->key, weight, error);
+    if (code) return error_set_parameter(error, "weights", pair->key);
+  }
+  return OPC_OK;
+}
+
 static int plan_figure(search *s, opc_error *error) {
   plan *p = &s->plan;
-  if (!s->minimise == !s->maximise)
-    return opc_fail(error, OPC_INVALID, NULL,
-                    "a search requires either 'minimise' or 'maximise'");
+  if (!s->minimise + !s->maximise + !s->weights.count != 2)
+    return opc_fail(
+        error, OPC_INVALID, NULL,
+        "a search requires one of 'minimise', 'maximise' and 'weights'");
+  if (s->weights.count) return plan_weights(s, error);
   p->greatest = s->maximise != NULL;
   p->figure = p->greatest ? s->maximise : s->minimise;
-  p->metric = opc_get_inner(s->host)->metric(s->host, p->figure, error);
-  if (!p->metric)
+  if (plan_term(s, p->figure, 1, error))
     return error_set_parameter(error, p->greatest ? "maximise" : "minimise",
                                NULL);
-  p->of = g_strndup(p->figure, (gsize)(strrchr(p->figure, '.') - p->figure));
+  p->unit = p->terms[0].metric->unit;
   return OPC_OK;
 }
 
@@ -126,20 +162,36 @@ static int search_check(void *self, opc_error *error) {
 
 /* ---- the figures of a run ---- */
 
-static double find_metric(const search *s, int shared) {
+/* Return the objective as a function of its metrics. */
+static double plan_value(const plan *p, const double *metrics) {
+  if (!p->weighted) return metrics[0];
+  double sum = 0;
+  for (size_t i = 0; i < p->n_terms; i++)
+    if (p->terms[i].weight > 0)
+      sum += p->terms[i].weight * metrics[i] * metrics[i];
+  return sum;
+}
+
+static double find_metric(const search *s, const opc_metric *metric,
+                          int shared) {
   size_t n;
   const opc_inner_metric *const *m =
       opc_get_inner(s->host)->metrics(s->host, shared, &n);
   for (size_t i = 0; i < n; i++)
-    if (m[i]->metric == s->plan.metric && !strcmp(m[i]->path, s->plan.of))
+    if (m[i]->metric == metric && !strcmp(m[i]->path, s->plan.of))
       return m[i]->value;
   return NAN;
 }
 
 /* Return the figure of the last run, or of the steps shared by all runs. */
 static double get_figure(const search *s) {
-  double figure = find_metric(s, 0);
-  return isnan(figure) ? find_metric(s, 1) : figure;
+  const plan *p = &s->plan;
+  g_autofree double *values = g_new(double, p->n_terms);
+  for (size_t i = 0; i < p->n_terms; i++) {
+    values[i] = find_metric(s, p->terms[i].metric, 0);
+    if (isnan(values[i])) values[i] = find_metric(s, p->terms[i].metric, 1);
+  }
+  return plan_value(p, values);
 }
 
 /* Return the number of litho simulations, by the metrics of the steps. */
@@ -167,15 +219,21 @@ static int take_column(search *s, size_t setting, opc_error *error) {
   size_t rows;
   const opc_column *value =
       inner->column(s->host, p->of, p->column[1], p->column[2], &rows, error);
-  const opc_column *figure = value
-                                 ? inner->column(s->host, p->of, p->column[1],
-                                                 p->metric->name, &rows, error)
-                                 : NULL;
-  if (!figure) return error_set_parameter(error, "along", NULL);
+  g_autofree const opc_column **figure = g_new0(const opc_column *, p->n_terms);
+  g_autofree double *values = g_new(double, p->n_terms);
+  int good = value != NULL;
+  for (size_t i = 0; i < p->n_terms && good; i++) {
+    figure[i] = inner->column(s->host, p->of, p->column[1],
+                              p->terms[i].metric->name, &rows, error);
+    good = figure[i] != NULL;
+  }
+  if (!good) return error_set_parameter(error, "along", NULL);
   const double *at = s->axes[p->along]->values;
   for (size_t k = 0, row = 0; k < p->count; k++) {
     while (row < rows && real_at(value, row) <= at[k]) row++;
-    if (row) s->figure[setting + k * p->stride] = real_at(figure, row - 1);
+    for (size_t i = 0; i < p->n_terms && row; i++)
+      values[i] = real_at(figure[i], row - 1);
+    if (row) s->figure[setting + k * p->stride] = plan_value(p, values);
   }
   return OPC_OK;
 }
@@ -212,7 +270,7 @@ static int run_settings(search *s, size_t first, opc_error *error) {
     if (isnan(s->figure[first]))
       code = opc_fail(&failure, OPC_FAILED, NULL,
                       "step '%s' published no metric '%s'", p->of,
-                      p->metric->name);
+                      p->terms[0].metric->name);
   }
   if (code) s->failed += p->count;
   s->results[s->runs++] = g_strdup(code ? failure.message : "good");
@@ -297,6 +355,10 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(search, maximise, .type = OPC_TEXT,
                   .summary = "metric to maximise, as in step.metric"),
     OPC_PARAMETER(
+        search, weights, .type = OPC_MAP,
+        .summary = "minimise the sum of the squares of metrics of a step times "
+                   "their weights, { step.metric: weight } (thesis eq. 2.5)"),
+    OPC_PARAMETER(
         search, mask, .type = OPC_TEXT,
         .summary =
             "step that provides the mask; default: the step of the metric"),
@@ -318,6 +380,7 @@ static const opc_metric metrics[] = {
 static void search_clear(void *self) {
   search *s = self;
   g_free(s->plan.of);
+  g_free(s->plan.terms);
   g_strfreev(s->plan.column);
   g_free(s->figure);
   g_free(s->run);

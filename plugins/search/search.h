@@ -7,14 +7,24 @@
 #include <eda/settings.h>
 #include <opcflow/inner.h>
 
-/* Objective of the search. */
+/* A metric of the objective. */
+typedef struct term {
+  const opc_metric *metric;
+  double weight; /* of the square of the metric, if there are `weights` */
+} term;
+
+/* Objective of the search: one metric, or the weighted sum of the squares of
+   several metrics of a step (thesis eq. 2.5). */
 typedef struct plan {
-  const char *figure;       /* "step.metric" */
-  char *of;                 /* path of the step with the figure, or of a plugin
-                               in the step */
-  const opc_metric *metric; /* declaration of the figure */
-  int greatest;             /* 1: maximise the figure; 0: minimise */
-  const char *mask;         /* step whose mask is the output */
+  const char *figure; /* "step.metric", or "cost" */
+  const char *unit;   /* of the objective; NULL: none */
+  char *of;           /* path of the step with the figure, or of a plugin in the
+                         step */
+  term *terms;
+  size_t n_terms;
+  int weighted;     /* 1: the sum of `weights`; 0: terms[0] */
+  int greatest;     /* 1: maximise the figure; 0: minimise */
+  const char *mask; /* step whose mask is the output */
 
   /* Index of the shared axis; -1 (with count 1): none. One run at the last
      value of the shared axis covers all `count` values: a table of the run has
@@ -29,7 +39,7 @@ typedef struct search {
   const opc_host *host;
   const char *flow, *variant, *minimise, *maximise, *mask;
   const void *gates; /* only the host uses this field */
-  opc_map set, sweep, along;
+  opc_map set, sweep, along, weights;
   const opc_inner_axis *const *axes;
   size_t n_axes;
   plan plan;

@@ -74,7 +74,8 @@ static int run_search(search *s, opc_error *error) {
       if (!isnan(all->figure[i]))
         g_assert_true(all->figure[i] == opc_test_number("settings", "ion", i) ||
                       all->figure[i] ==
-                          opc_test_number("settings", "mask.ion", i));
+                          opc_test_number("settings", "mask.ion", i) ||
+                      all->figure[i] == opc_test_number("settings", "cost", i));
     eda_settings_free(outputs[1]);
   }
   opcflow_plugin()->clear(s);
@@ -127,6 +128,68 @@ static void test_all(void) {
   g_assert_true(
       truth(best_of(0)) ==
       truth(best_of(0) + 1)); /* two best settings with equal figures */
+}
+
+/* ---- the weighted sum of squares ---- */
+
+static const opc_metric leakage = {"leak", "%", OPC_LOWER, 0, "a figure"};
+
+/* Return a second figure, smallest at 10 nm and 4 moves. */
+static double leak(double length, double move) {
+  return length / 10 + 3 / (1 + move);
+}
+
+static double table_leak[16];
+
+/* Run the settings of a length; the table has a row for each number of
+   moves. */
+static int run_weighted(size_t point, opc_error *error) {
+  static double at[16], ion[16];
+  static const opc_column columns[] = {{"at", NULL, OPC_REAL, 0, at},
+                                       {"ion", "%", OPC_REAL, 0, ion},
+                                       {"leak", "%", OPC_REAL, 0, table_leak}};
+  int code = run_point(point, error);
+  double length = lengths[point / MOVES];
+  inner_report("mask", &leakage, leak(length, moves[point % MOVES]));
+  inner.columns = columns;
+  inner.n_columns = 3;
+  for (inner.rows = 0; inner.rows <= point % MOVES; inner.rows++) {
+    at[inner.rows] = moves[inner.rows];
+    ion[inner.rows] = formula(length, moves[inner.rows]);
+    table_leak[inner.rows] = leak(length, moves[inner.rows]);
+  }
+  return code;
+}
+
+/* Test eq. 2.5 with and without a shared run. */
+static void test_weights(void) {
+  static const char *const q2[] = {"0", "0.5", "100"};
+  static const opc_pair pair = {"mask.moves", "mask.history.at"};
+  for (size_t k = 0; k < 2 * G_N_ELEMENTS(q2); k++) {
+    const opc_pair pairs[] = {{"mask.ion", "2"}, {"mask.leak", q2[k / 2]}};
+    double q = g_ascii_strtod(q2[k / 2], NULL);
+    inner_flow weighted = flow;
+    weighted.more = &leakage;
+    weighted.more_path = "mask.leak";
+    weighted.point = run_weighted;
+    search s = {.host = inner_host(weighted),
+                .weights = {pairs, 2},
+                .along = {&pair, k % 2}};
+    opc_error error;
+    if (run_search(&s, &error)) g_error("%s", error.message);
+    double least = INFINITY;
+    size_t best = 0;
+    for (size_t i = 0; i < ALL; i++) {
+      double l = lengths[i / MOVES], m = moves[i % MOVES];
+      double known = 2 * pow(formula(l, m), 2) + q * pow(leak(l, m), 2);
+      g_assert_cmpfloat(fabs(opc_test_number("settings", "cost", i) - known), <,
+                        1e-9 * known + 1e-12);
+      if (known < least) least = known, best = i;
+    }
+    g_assert_cmpfloat(opc_test_metric("setting"), ==, (double)best + 1);
+    g_assert_cmpfloat(opc_test_metric("runs"), ==, k % 2 ? LENGTHS : ALL);
+    g_assert_cmpint(best == best_of(0), ==, q == 0);
+  }
 }
 
 /* ---- settings that share a run ---- */
@@ -303,9 +366,16 @@ static void test_refused(void) {
   const opc_host *host = inner_host(flow);
   const char *ion = "mask.ion";
   assert_refused((search){.host = host}, "",
-                 "requires either 'minimise' or 'maximise'");
+                 "requires one of 'minimise', 'maximise' and 'weights'");
   assert_refused((search){.host = host, .minimise = ion, .maximise = ion}, "",
-                 "requires either");
+                 "requires one of");
+  static const opc_pair bad = {"mask.ion", "-1"}, absent = {"mask.in", "1"};
+  assert_refused((search){.host = host, .minimise = ion, .weights = {&bad, 1}},
+                 "", "requires one of");
+  assert_refused((search){.host = host, .weights = {&bad, 1}},
+                 "weights.mask.ion", "at least 0, found '-1'");
+  assert_refused((search){.host = host, .weights = {&absent, 1}},
+                 "weights.mask.in", "no metric 'mask.in'");
   assert_refused((search){.host = host, .maximise = "mask.in"}, "maximise",
                  "no metric 'mask.in'");
   assert_refused((search){.host = host, .minimise = ion, .along = {&unit, 1}},
@@ -332,6 +402,7 @@ static void test_refused(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/search/all", test_all);
+  g_test_add_func("/search/weights", test_weights);
   g_test_add_func("/search/shared", test_shared);
   g_test_add_func("/search/turned", test_turned);
   g_test_add_func("/search/failing", test_failing);
