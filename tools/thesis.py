@@ -261,6 +261,14 @@ def numeric(text):
     return float(text) if text else None
 
 
+def butterfly_table(runs, number):
+    rows = []
+    for name, folder in runs.items():
+        rows.append([name] + [number(metric(folder, "circuit", "snm_" + k), "2") for k in (
+            "left_worst_before", "left_worst", "right_worst_before", "right_worst")])
+    return ["method", "left margin, uncorrected, %", "corrected, %", "right margin, uncorrected, %", "corrected, %"], rows
+
+
 def delays_table(runs, number):
     """Tables 3.5 and 5.1, and equations 5.5 and 5.6 with the means of all transistors of a type."""
     rows = []
@@ -492,9 +500,14 @@ def questions(flow, circuit_cases, path_options):
         dict(name="chapter2", title="PB-OPC against the best EPE-OPC", make=chapter2_table,
              runs=[("", flow("flows/chapter2.yaml"))],
              pictures=[("nmos-epe.png", copied("", "compare/nmos/epe/mask.png")),
-                       ("nmos-pb.png", copied("", "compare/nmos/pb/mask.png")),
-                       ("butterfly-epe.png", copied("", "compare/sram/epe/circuit.png")),
-                       ("butterfly-pb.png", copied("", "compare/sram/pb/circuit.png"))]),
+                       ("nmos-pb.png", copied("", "compare/nmos/pb/mask.png"))]),
+        dict(name="butterfly", title="Noise margins of the SRAM", quick=True, make=butterfly_table,
+             runs=[("EPE-OPC", flow("flows/circuit.yaml", "mask.synthesizer={ use: synthesizer.epe }", "require=~",
+                                    variant="sram_length")),
+                   ("PB-OPC", flow("flows/circuit.yaml", "mask.synthesizer={ use: synthesizer.pb }", "require=~",
+                                   variant="sram_length"))],
+             pictures=[("butterfly-epe.png", copied("EPE-OPC", "circuit.png")),
+                       ("butterfly-pb.png", copied("PB-OPC", "circuit.png"))]),
         dict(name="performance", title="Circuits by all methods", make=performance_table,
              runs=[("", flow("flows/chapter2.yaml", variant="circuits"))]),
         dict(name="library-cells", title="All cells by EPE- and DPB-OPC", make=cells_table,
