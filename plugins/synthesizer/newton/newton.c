@@ -242,8 +242,8 @@ static double width_bounded(const newton *t, const eda_feedback *f, size_t i,
 }
 
 /* Return the mask after Newton's step of one transistor. W moves if the weights
-   require moves of W, or if L cannot correct Ion. This is so if L is vetoed or
-   at its bound, or if the regulator undoes moves of L (trust radius below a
+   require moves of W, or if L is vetoed or at its bound. Unless W corrects
+   Ioff, it also moves if the regulator undoes moves of L (trust radius below a
    grid step). If W cannot move either, L moves. */
 static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
                           double enough, uint8_t *why, int *cut) {
@@ -254,7 +254,7 @@ static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
   int free[MOVES], repaired;
   double dx[MOVES], by_w[MOVES], wanted;
   moves_free(t, free);
-  repaired = !free[BY_W] && is_no_step(s->trust.radius);
+  repaired = !free[BY_W] && !corrects_ioff(t) && is_no_step(s->trust.radius);
   response_solve(&s->response, s->error, t->steer, free, dx);
   response_solve(&s->response, s->error, t->weight, only_w, by_w);
   wanted = dx[BY_L];
