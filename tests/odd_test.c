@@ -14,10 +14,10 @@
 
 #include <store/files.h>
 
-/* Times, s: time before SIGTERM of long runs; largest time to stop, three times
-   the nominal value because the machine may be loaded; limit of all other
-   runs. */
-enum { A_WHILE = 2, STOP = 3, MOST = 100 };
+/* Times: time before SIGTERM of long runs, ms; limits of the time to stop and
+   of all other runs, s. The limits only end a run that hangs, also on a loaded
+   machine. */
+enum { A_WHILE = 500, STOP = 60, MOST = 300 };
 /* Limit of the address space. A run that needs more must report the limit. With
    AddressSanitizer there is no limit, because it needs terabytes. */
 #ifdef __SANITIZE_ADDRESS__
@@ -59,7 +59,7 @@ static gboolean is_long(const char *set) {
 /* Run a verb; return the exit code, and the messages in *message. */
 static int verb_run(const char *verb, const char *flow, const char *set,
                     char **message) {
-  const gint64 patience = is_long(set) ? A_WHILE : MOST;
+  const gint64 patience = is_long(set) ? A_WHILE : MOST * 1000;
   const char *argv[] = {command, verb, flow, "--set", set, NULL};
   if (!set) argv[3] = NULL;
   GPid child;
@@ -71,11 +71,11 @@ static int verb_run(const char *verb, const char *flow, const char *set,
   gint64 start = g_get_monotonic_time(), now;
   while (!waitpid(child, &status, WNOHANG)) {
     now = g_get_monotonic_time() - start;
-    if (!asked && now > patience * G_USEC_PER_SEC) {
+    if (!asked && now > patience * 1000) {
       kill(child, SIGTERM);
       asked = 1;
     }
-    if (now > (patience + STOP) * G_USEC_PER_SEC) {
+    if (now > patience * 1000 + STOP * G_USEC_PER_SEC) {
       kill(child, SIGKILL);
       g_error("'%s' does not stop", set ? set : flow);
     }

@@ -107,6 +107,7 @@ typedef struct beam {
 
 enum { PLACES = 40 };
 typedef struct places {
+  int count;
   double x[PLACES], y[PLACES], value[PLACES], clear;
 } places;
 
@@ -126,14 +127,14 @@ static void add_point(const scanner *s, const char *name, double sx, double sy,
       if (x * x + y * y > 1) continue;
       vector v = refracted(s, x, y, j[i]);
       double waves = s->defocus * s->index / s->wavelength * sqrt(1 - sine2);
-      for (int q = 0; q < PLACES; q++) {
+      for (int q = 0; q < p->count; q++) {
         double complex a =
             b[k].a * cexp(2 * M_PI * I *
                           (b[k].fx * p->x[q] + b[k].fy * p->y[q] + waves));
         for (int c = 0; c < 3; c++) e[q][c] += a * v.at[c];
       }
     }
-    for (int q = 0; q < PLACES; q++)
+    for (int q = 0; q < p->count; q++)
       for (int c = 0; c < 3; c++)
         p->value[q] += weight / states * creal(e[q][c] * conj(e[q][c]));
   }
@@ -146,7 +147,7 @@ static double larger(double a, double b) {
 
 static double worst_off(const places *p, const eda_field *f) {
   double worst = 0;
-  for (int q = 0; q < PLACES; q++)
+  for (int q = 0; q < p->count; q++)
     worst = larger(
         worst, fabs(value_at(f, p->x[q], p->y[q]) - p->value[q] / p->clear));
   return worst;
@@ -187,7 +188,7 @@ static void test_sum(void) {
     }
   for (size_t c = 0; c < G_N_ELEMENTS(cases); c++)
     for (size_t i = 0; i < G_N_ELEMENTS(polarised); i++) {
-      places p = {0};
+      places p = {.count = PLACES};
       for (int q = 0; q < PLACES; q++) {
         p.x[q] = fmod(211.3 * q, 700) - 350;
         p.y[q] = 20 * q - 400;
@@ -208,7 +209,8 @@ static void test_sum(void) {
     }
 }
 
-/* Test a grating with an extended source of 200,000 points. */
+/* Test a grating with an extended source of 200,000 points. The image is the
+   same for both halves of the source, so that one half suffices. */
 static void test_disks(void) {
   static const struct {
     scanner s;
@@ -245,11 +247,11 @@ static void test_disks(void) {
   for (size_t c = 0; c < G_N_ELEMENTS(cases); c++) {
     double width = cases[c].width, pitch = cases[c].pitch;
     beam beams[2 * REACH + 1];
-    places p = {0};
+    places p = {.count = 10};
     for (int k = -REACH; k <= REACH; k++)
       beams[k + REACH] = (beam){k / pitch, 0, order(k, width, pitch)};
-    for (int q = 0; q < PLACES; q++) p.x[q] = (q % 10 / 18.0 - 0.5) * pitch;
-    for (int i = 0; i < ACROSS * ACROSS; i++) {
+    for (int q = 0; q < p.count; q++) p.x[q] = (q / 18.0 - 0.5) * pitch;
+    for (int i = 0; i < ACROSS * ACROSS / 2; i++) {
       double x = (i % ACROSS + 0.5) * 2 / ACROSS - 1;
       int row = i / ACROSS;
       double y = (row + 0.5) * 2 / ACROSS - 1;
@@ -275,7 +277,8 @@ static void test_disks(void) {
 static const eda_box shapes[] = {{-4000, -5400, -1800, 2400},
                                  {1200, 800, 5400, 3200},
                                  {2000, -4400, 4800, -1800}};
-static const eda_frame wide = {-1000, -1000, 2000, 2000};
+static const eda_frame wide = {-1000, -1000, 2000, 2000},
+                       narrow = {-700, -700, 1400, 1400};
 
 /* Return the largest difference of two images. `turned`: b is indexed with x
    and y exchanged. */
@@ -337,7 +340,7 @@ static void test_kept(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(light); i++) {
     g_autofree char *p = g_strdup_printf(
         "{ " WATER "source: annular, sigma_in: 0.5, error: 1e-3%s }", light[i]);
-    f[i] = image_of("litho.hopkins", p, 0, shapes, 3, wide);
+    f[i] = image_of("litho.hopkins", p, 0, shapes, 3, narrow);
     for (size_t j = 0; j < i; j++)
       g_assert_cmpfloat(difference(&f[i], &f[j], 0), >, 4e-3);
   }
@@ -357,7 +360,7 @@ static void test_clear(void) {
   for (size_t m = 0; m < G_N_ELEMENTS(models); m++)
     for (size_t i = 0; i < G_N_ELEMENTS(sources); i++)
       for (size_t k = 0; k < G_N_ELEMENTS(polarised); k++) {
-        if (m && (i == 2 ? k != 3 : k > 1)) continue; /* skip slow cases */
+        if (m && k != (i == 2 ? 3 : i)) continue; /* skip slow cases */
         g_autofree char *p =
             g_strdup_printf("{ " WATER "polarisation: %s, %s, %s }",
                             polarised[k], sources[i], models[m].rough);
@@ -380,8 +383,8 @@ static void test_paraxial(void) {
         g_autofree char *scalar = g_strconcat(p, " }", NULL);
         g_autofree char *light =
             g_strconcat(p, ", polarisation: ", polarised[k], " }", NULL);
-        eda_field want = image_of(models[m].id, scalar, 0, shapes, 3, wide);
-        eda_field got = image_of(models[m].id, light, 0, shapes, 3, wide);
+        eda_field want = image_of(models[m].id, scalar, 0, shapes, 3, narrow);
+        eda_field got = image_of(models[m].id, light, 0, shapes, 3, narrow);
         double off = difference(&want, &got, 0);
         /* Tables blur pupils by the cells of the source; here the source has
            fewer cells. */
