@@ -3,15 +3,11 @@
 #include <eda/imaging.h>
 #include <glib.h>
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
-#include <sys/mman.h>
 
 #include <eda/simd.h>
 #include "imaging/spline.h"
 #include "imaging/values.h"
-
-enum { LARGE = 1 << 22 }; /* bytes of a field on large pages */
 
 EDA_WIDE static void sample_points(const eda_field *field, const double *x,
                                    const double *y, size_t n, double *out) {
@@ -56,16 +52,8 @@ void eda_field_clear(eda_field *field) {
   *field = (eda_field){0};
 }
 
-/* Fields are read at scattered points, so that translation of the addresses of
-   small pages takes much of the time. */
 float *eda_values_new(size_t n) {
-  const uintptr_t page = 4096;
-  size_t bytes = n * sizeof(float) + EDA_VALUES_SPARE;
-  char *values = g_malloc(bytes);
-  if (bytes < LARGE) return (float *)values;
-  size_t skip = (size_t)(-(uintptr_t)values & (page - 1));
-  madvise(values + skip, (bytes - skip) & ~(page - 1), MADV_HUGEPAGE);
-  return (float *)values;
+  return g_malloc(n * sizeof(float) + EDA_VALUES_SPARE);
 }
 
 eda_field eda_field_scaled(const eda_field *field, double factor) {
