@@ -189,6 +189,32 @@ static void test_arrays(void) {
   }
 }
 
+/* Guard words detect the same writes with and without guard pages. */
+static void test_words(void) {
+  g_setenv("OPCFLOW_GUARD", "words", TRUE);
+  test_arrays();
+  g_setenv("OPCFLOW_GUARD", "pages", TRUE);
+}
+
+/* With guard pages, a write far beyond an array, or to an array of an earlier
+   call, is a crash of the plugin. */
+static void test_pages(void) {
+  static const char *const kinds[] = {"resist", "extractor", "synthesizer",
+                                      "regulator"};
+  static const char *const faults[] = {"far", "before", "kept"};
+#ifdef __SANITIZE_ADDRESS__
+  g_test_skip("the sanitizer speaks first");
+  return;
+#endif
+  for (size_t i = 0; i < G_N_ELEMENTS(kinds); i++)
+    for (size_t j = 0; j < G_N_ELEMENTS(faults); j++) {
+      /* No page precedes the level sets, which litho models allocate. */
+      if (i || strcmp(faults[j], "before") != 0)
+        try_correction(kinds[i], "", faults[j],
+                       "crashed in plugin '%s': segmentation fault\n");
+    }
+}
+
 /* A crash while the host reads a returned text or array is attributed to the
    plugin that returned it. */
 static void test_dangling(void) {
@@ -416,6 +442,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/evil/regulator", test_regulator);
   g_test_add_func("/evil/elsewhere", test_elsewhere);
   g_test_add_func("/evil/arrays", test_arrays);
+  g_test_add_func("/evil/words", test_words);
+  g_test_add_func("/evil/pages", test_pages);
   g_test_add_func("/evil/dangling", test_dangling);
   g_test_add_func("/evil/static", test_static);
   g_test_add_func("/evil/beside", test_beside);

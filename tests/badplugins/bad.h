@@ -43,6 +43,17 @@ static inline void write_wildly(void *data, size_t i) {
   if (i == 7) *nowhere = 1;
 }
 
+/* Write 1 to an array of the present call, `n` elements beyond the end, or to
+   the array of an earlier call. */
+#define WRITE_AFAR(array, n)                      \
+  do {                                            \
+    static __typeof__(&*(array)) kept;            \
+    if (fault_is("far")) (array)[(n) + 5000] = 1; \
+    if (fault_is("before")) (array)[-5000] = 1;   \
+    if (fault_is("kept") && kept) *kept = 1;      \
+    kept = (array);                               \
+  } while (0)
+
 /* Faults that any function of a plugin can have. */
 static inline int fault_apply(void) {
   volatile int depth = 0;

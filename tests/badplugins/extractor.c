@@ -51,6 +51,7 @@ static int bad_extract(const void *self, const eda_slices *in,
   if (fault_is("nan") && in->count > 1) out->ioff[1] = NAN;
   if (fault_is("overrun")) out->area[in->count] = 1;
   if (fault_is("underrun")) out->ion[-1] = 1;
+  WRITE_AFAR(out->area, in->count);
   if (fault_is("negative")) out->ion[0] = -1;
   return fault_apply();
 }

@@ -2,6 +2,8 @@
 /* A faulty regulator without rules. */
 #include "bad.h"
 
+static uint32_t *old; /* array of the last call of bad_rule */
+
 static int bad_rule(void *self, const eda_printed *printed, eda_ruling *ruling,
                     opc_error *error) {
   size_t n = printed->gates->count;
@@ -11,6 +13,8 @@ static int bad_rule(void *self, const eda_printed *printed, eda_ruling *ruling,
   if (fault_is("underrun")) ruling->end[-1] = 0;
   if (fault_is("dangling shapes"))
     ruling->added[0] = (eda_boxes){(const eda_box *)16, 3};
+  WRITE_AFAR(ruling->vetoes, n);
+  old = ruling->vetoes;
   if (fault_is("ends")) ruling->end[0] = 1 << 24;
   if (fault_is("vetoes")) ruling->vetoes[2] = 0x40;
   return fault_apply();
@@ -27,6 +31,7 @@ static int bad_violations(void *self, const eda_printed *printed,
                           opc_error *error) {
   (void)self, (void)printed, (void)error;
   evil("violations");
+  if (fault_is("kept") && old) *old = 1;
   *count = fault_is("count") || fault_is("gate") || fault_is("place") ||
            fault_is("dangling") || fault_is("endless");
   if (fault_is("overrun violations")) list[most].gate = 0;

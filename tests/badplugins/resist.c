@@ -17,6 +17,7 @@ static int bad_print(const void *self, int layer, eda_field *field,
     field->coefficients[i] =
         (fault_is("sign") ? -1 : 1) * (0.3f - field->coefficients[i]);
   if (fault_is("overrun")) field->coefficients[n + 2] = 1;
+  WRITE_AFAR(field->coefficients + n / 2, n - n / 2);
   if (fault_is("dangling")) field->coefficients = (float *)16;
   if (fault_is("nan")) field->coefficients[n - 1] = NAN;
   return fault_apply();

@@ -202,11 +202,13 @@ static void lint_end(opc_lint *lint) {
 /* Value of opc_lint.seconds. */
 static const double patience = 15;
 
-/* Restart the command without malloc's per-thread cache. Free memory in that
-   cache counts as used and would be reported as a leak. */
+/* Restart the command with guard pages around the arrays of plugins, and
+   without malloc's per-thread cache. Free memory in that cache counts as used
+   and would be reported as a leak. */
 static void restart_without_cache(void) {
   if (g_getenv("GLIBC_TUNABLES")) return;
   g_setenv("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0", TRUE);
+  g_setenv("OPCFLOW_GUARD", "pages", TRUE);
   cli_become("/proc/self/exe");
 }
 

@@ -98,14 +98,16 @@ int eda_call_print(const opc_context *context, const opc_module *resist,
                    int layer, eda_field *field, opc_error *error) {
   const eda_resist *model = resist->functions;
   const eda_frame frame = field->frame;
-  fence_field(field);
-  const float *values = field->coefficients;
-  size_t n = (size_t)field->nx * (size_t)field->ny;
+  fence_loan loan;
+  fence_lend(field, &loan);
   const char *before = eda_enter(context, resist, error);
   int code = model->print(resist->self, layer, field, error);
-  /* If the plugin replaced the coefficients, there are no guard words. */
-  if (!code && field->coefficients == values)
-    code = fence_check_field(values, n, "level sets", error);
+  opc_error beyond = {0};
+  int fault = fence_return(field, &loan, "level sets", &beyond);
+  if (!code && fault) {
+    *error = beyond;
+    code = fault;
+  }
   if (!code) code = eda_check_field(field, &frame, "level set", error);
   opc_leave(context, before);
   return code;

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Arrays between guard words, for output of plugins. Writes slightly out of
-   bounds are detected and damage no other data. */
+   bounds are detected and damage no other data. OPCFLOW_GUARD=pages adds 1 MB
+   of inaccessible pages on each side and makes freed arrays inaccessible. A
+   write far out of bounds, or by a pointer kept from an earlier call, is then a
+   crash of the plugin. */
 #pragma once
 
 #include <eda/imaging.h>
@@ -22,3 +25,21 @@ void fence_field(eda_field *field);
    fence_check. */
 int fence_check_field(const float *values, size_t n, const char *what,
                       opc_error *error);
+
+/* Values lent to a plugin: the n values of the caller (`own`), or a copy
+   between guard pages. */
+typedef struct fence_loan {
+  float *own, *values;
+  size_t n;
+  struct fence_loan *next;
+} fence_loan;
+
+/* Lend the values of a field to a plugin, which may change the values in place,
+   or free them by eda_field_clear and replace them. The loan remains valid
+   until fence_return. [any] */
+void fence_lend(eda_field *field, fence_loan *loan);
+
+/* Take the values back and check their guard words; results as of
+   fence_check. The values of the field are freed by eda_field_clear. [any] */
+int fence_return(eda_field *field, const fence_loan *loan, const char *what,
+                 opc_error *error);

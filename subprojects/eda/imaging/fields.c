@@ -115,7 +115,7 @@ static void filter_apply(const opc_context *context, eda_field *field, int nx,
   opc_parallel(context, (size_t)(y.lines + LINES - 1) / LINES, filter_lines,
                &y);
   if (!same) {
-    free(field->coefficients);
+    eda_values_free(field->coefficients);
     field->coefficients = out;
     field->nx = nx;
     field->ny = ny;

@@ -47,8 +47,14 @@ void eda_spectrum_clear(eda_spectrum *spectrum) {
   *spectrum = (eda_spectrum){0};
 }
 
+int (*eda_values_take)(float *values);
+
+void eda_values_free(float *values) {
+  if (!eda_values_take || !eda_values_take(values)) free(values);
+}
+
 void eda_field_clear(eda_field *field) {
-  free(field->coefficients);
+  eda_values_free(field->coefficients);
   *field = (eda_field){0};
 }
 

@@ -13,6 +13,11 @@ enum { EDA_VALUES_SPARE = 512 };
    memory is exhausted. [any] */
 float *eda_values_new(size_t n);
 
+/* Free values. First call `eda_values_take` (NULL: none): it returns 1 if the
+   values do not belong to malloc and are freed. [any] */
+void eda_values_free(float *values);
+extern int (*eda_values_take)(float *values);
+
 static inline float complex eda_complex_of(const double a[2]) {
   return (float)a[0] + (float)a[1] * I;
 }
