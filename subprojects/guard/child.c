@@ -9,6 +9,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -75,6 +76,18 @@ static void bind_to_parent(pid_t parent, double seconds) {
   setrlimit(RLIMIT_CPU, &limit);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1); /* the parent has already ended */
+}
+
+void child_kill_all(void) {
+  g_autoptr(GDir) threads = g_dir_open("/proc/self/task", 0, NULL);
+  for (const char *name; threads && (name = g_dir_read_name(threads));) {
+    g_autofree char *path =
+        g_strdup_printf("/proc/self/task/%s/children", name);
+    g_autofree char *text = NULL;
+    if (!g_file_get_contents(path, &text, NULL, NULL)) continue;
+    char *at = text;
+    for (long pid; (pid = strtol(at, &at, 10)) > 0;) kill((pid_t)pid, SIGKILL);
+  }
 }
 
 GString *child_run(void (*work)(int out, void *data), void *data,

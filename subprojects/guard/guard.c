@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <guard/child.h>
 #include <guard/process.h>
 #include <limits.h>
 #include <pthread.h>
@@ -12,8 +13,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -145,6 +148,20 @@ _Noreturn static void plugin_blame(const char *id, const char *what,
 
 /* ---- present plugins ---- */
 
+/* Distinct plugins called since the first thread left the last plugin. Any of
+   them may have damaged the memory in which another plugin crashes. */
+enum { MOST_CALLED = 32 };
+static const char *called[MOST_CALLED];
+static int n_called;
+
+static void called_add(const char *id) {
+  int n = __atomic_load_n(&n_called, __ATOMIC_ACQUIRE), i = 0;
+  while (i < n && i < MOST_CALLED && called[i] != id) i++;
+  if (i < n) return;
+  i = __atomic_fetch_add(&n_called, 1, __ATOMIC_ACQ_REL);
+  if (i < MOST_CALLED) __atomic_store_n(&called[i], id, __ATOMIC_RELEASE);
+}
+
 /* State of a thread; other threads read the state. */
 typedef struct worker {
   const char *inside;  /* plugin that runs in the thread; NULL: the command */
@@ -213,6 +230,9 @@ static void blame_all(const char *id, const char *what, const char *detail) {
 static _Thread_local char stack[STACK];
 static _Thread_local int has_stack;
 
+/* 1: the plugin in `me.inside` started this thread. */
+static _Thread_local int adopted;
+
 static void give_stack(void) {
   stack_t present;
   has_stack = 1;
@@ -270,6 +290,39 @@ static void guard_check_thread(void) {
   if (what) plugin_blame(me.inside, what, "");
 }
 
+/* ---- processes of plugins ---- */
+
+static int had_child;    /* children existed at the start (exec by a shell) */
+static char parent[256]; /* plugin after whose call a child existed; "": none */
+
+/* Return whether this process has children. *info has the number of an ended
+   one, or 0. `remove`: WNOWAIT keeps an ended child. */
+static int has_child(siginfo_t *info, int remove) {
+  *info = (siginfo_t){0};
+  return !waitid(P_ALL, 0, info, WEXITED | WNOHANG | remove);
+}
+
+/* Programs that a plugin uses during a call have ended when the call returns.
+ */
+static void parent_note(const char *id) {
+  siginfo_t info;
+  if (listener || had_child) return;
+  if (!has_child(&info, WNOWAIT))
+    *parent = 0;
+  else if (!*parent)
+    text_copy(parent, sizeof parent, id);
+}
+
+/* End the processes that plugins left, and report them. */
+static void children_end(void) {
+  siginfo_t info;
+  int has;
+  while ((has = has_child(&info, 0)) && info.si_pid) continue;
+  if (!has || !*parent) return;
+  child_kill_all();
+  plugin_blame(parent, "left a process running", "");
+}
+
 static void listener_wake(void) {
   static _Thread_local double last;
   if (looked - last < 1) return;
@@ -283,6 +336,7 @@ static void guard_check_process(const char *id) {
   if (process_signals_change()) plugin_blame(id, "changed the signal mask", "");
   const char *what = process_change(&detail);
   if (what) blame_all(id, what, detail);
+  parent_note(id);
   field_set(&me.suspect, NULL);
   looked = time_now();
   if (listener) listener_wake();
@@ -296,6 +350,8 @@ const char *guard_enter(const char *id) {
   /* Check first, so that the change is not attributed to the next plugin. */
   if (guarded && id && who && id != who) guard_check_process(who);
   calls++;
+  if (!before && &me == main_worker) n_called = 0;
+  if (id) called_add(id);
   field_set(&me.inside, id);
   return before;
 }
@@ -337,6 +393,7 @@ void guard_wait(int waits) {
 
 void guard_adopt(const char *id) {
   begin_thread();
+  adopted = 1;
   field_set(&me.inside, id);
 }
 
@@ -361,6 +418,15 @@ void guard_end(int code) {
   process_end(words, code);
 }
 
+void guard_stack_check(void) {
+  if (me.inside && !adopted && getpid() == guarded)
+    plugin_blame(me.inside, "changed the alternate signal stack", "");
+}
+
+void guard_stack_give(void) {
+  if (adopted) give_stack();
+}
+
 void guard_exit(void) {
   if (me.inside && getpid() == guarded)
     plugin_blame(me.inside, "ended the process", "");
@@ -368,7 +434,10 @@ void guard_exit(void) {
 
 static int done = -1; /* exit code */
 
-void guard_done(int code) { done = code; }
+void guard_done(int code) {
+  if (guarded) children_end();
+  done = code;
+}
 
 int guard_code(int code) { return done < 0 ? code : done; }
 
@@ -379,7 +448,22 @@ static int is_foreign(const siginfo_t *info) {
   return sent && info->si_pid != getpid();
 }
 
+/* Set `list` to the plugins that may have damaged the memory: those called
+   before, except `id`. Return their number. */
+static int add_called(char *list, size_t capacity, const char *id) {
+  int n = 0, all = n_called < MOST_CALLED ? n_called : MOST_CALLED;
+  for (int i = 0; i < all; i++)
+    if (called[i] && (!id || strcmp(called[i], id) != 0))
+      n = add_name(list, capacity, n, called[i]);
+  return n;
+}
+
+static int is_memory_fault(int number) {
+  return number == SIGSEGV || number == SIGBUS || number == SIGABRT;
+}
+
 static void guard_crash(int number, siginfo_t *info, void *unused) {
+  static char list[1024];
   (void)unused;
   const process_signal *s = process_signals;
   while (s->number != number) s++;
@@ -387,13 +471,22 @@ static void guard_crash(int number, siginfo_t *info, void *unused) {
                               "\n", NULL};
   if (!me.inside && done >= 0 && !is_foreign(info))
     process_end(late, exit_code);
-  if (!me.inside || is_foreign(info)) { /* default action of the signal */
+  int n =
+      is_memory_fault(number) ? add_called(list, sizeof list, me.inside) : 0;
+  if ((!me.inside && !n) || is_foreign(info)) { /* default action */
     signal(number, SIG_DFL);
     raise(number);
     return;
   }
   const char *const words[] = {
-      ": crashed in plugin '", me.inside, "': ", s->means, "\n", NULL};
+      me.inside ? ": crashed in plugin '" : ": crashed outside of plugins",
+      me.inside ? me.inside : "",
+      me.inside ? "': " : ": ",
+      s->means,
+      n ? "\nnote: plugins called before may have damaged the memory: " : "",
+      list,
+      n ? "; OPCFLOW_GUARD=pages detects more of such writes\n" : "\n",
+      NULL};
   process_end(words, exit_code);
 }
 
@@ -424,6 +517,10 @@ void guard_install(const char *text) {
   process_settle();
   pthread_key_create(&ending, thread_ended);
   pthread_atfork(NULL, NULL, has_forked);
+  siginfo_t info;
+  had_child = has_child(&info, WNOWAIT);
+  /* Orphans of a child that a plugin starts become children, too. */
+  prctl(PR_SET_CHILD_SUBREAPER, 1);
   atexit(guard_exit);
   at_quick_exit(guard_exit);
   main_worker = &me;

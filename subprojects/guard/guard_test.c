@@ -106,6 +106,82 @@ static void leave_by_thread(void) {
   pthread_join(thread, NULL);
 }
 
+/* A stack overflow cannot be reported without the signal stack. */
+static void drop_stack(void) {
+  const stack_t none = {.ss_flags = SS_DISABLE};
+  sigaltstack(&none, NULL);
+}
+
+static int overflow(int depth) {
+  volatile char page[4096] = {0};
+  if (depth < 0) return page[0];
+  return overflow(depth + 1) + page[1]; /* no tail call */
+}
+
+static void *drop_and_overflow(void *unused) {
+  drop_stack();
+  return overflow(0) ? unused : NULL;
+}
+
+static void overflow_by_thread(void) {
+  pthread_t thread;
+  g_assert_cmpint(pthread_create(&thread, NULL, drop_and_overflow, NULL), ==,
+                  0);
+  pthread_join(thread, NULL);
+}
+
+static void become_daemon(void) { (void)!daemon(0, 0); }
+
+/* The child, or the child of a child that has ended, continues. */
+static void leave_child(void) {
+  if (fork()) return;
+  sleep(60);
+  _exit(0);
+}
+
+static void leave_orphan(void) {
+  int status;
+  pid_t child = fork();
+  if (!child) {
+    if (!fork()) sleep(60);
+    _exit(0);
+  }
+  waitpid(child, &status, 0);
+}
+
+/* A process that has ended, and one that ended during the call. */
+static void use_child(void) {
+  if (!fork()) _exit(0);
+  g_assert_cmpint(system("exit 3"), ==, 3 << 8);
+}
+
+static void *run_command(void *unused) {
+  g_assert_cmpint(system("sleep 0.3"), ==, 0);
+  return unused;
+}
+
+/* system() ignores SIGINT meanwhile. */
+static void run_command_beside(void) {
+  pthread_t thread;
+  g_assert_cmpint(pthread_create(&thread, NULL, run_command, NULL), ==, 0);
+  for (int i = 0; i < 20; i++) {
+    guard_leave(guard_enter("other"));
+    g_usleep(10000);
+  }
+  pthread_join(thread, NULL);
+}
+
+static void crash_after_other(void) {
+  guard_leave(guard_enter("other"));
+  guard_leave(guard_enter("third"));
+  abort();
+}
+
+static void crash_outside(void) {
+  guard_leave(NULL);
+  abort();
+}
+
 static const struct {
   void (*plugin)(void);
   int code;
@@ -124,12 +200,30 @@ static const struct {
     {go_on, 9, "here: stopped in plugin 'bad'\n"},
     {exceed_limit, 4, "outer: stopped in plugin 'bad'\n"},
     {keep_limits, 7, ""},
+    {drop_stack, 4, "here: plugin 'bad' changed the alternate signal stack\n"},
+    {overflow_by_thread, 4,
+     "here: crashed in plugin 'bad': segmentation fault\n"},
+    {become_daemon, 4, "here: plugin 'bad' ended the process\n"},
+    {leave_child, 4, "here: plugin 'bad' left a process running\n"},
+    {leave_orphan, 4, "here: plugin 'bad' left a process running\n"},
+    {use_child, 7, ""},
+    {run_command_beside, 7, ""},
+    {crash_after_other, 4,
+     "here: crashed in plugin 'bad': aborted\nnote: plugins called before may "
+     "have damaged the memory: 'other', 'third'; OPCFLOW_GUARD=pages detects "
+     "more of such writes\n"},
+    {crash_outside, 4,
+     "here: crashed outside of plugins: aborted\nnote: plugins called before "
+     "may "
+     "have damaged the memory: 'bad'; OPCFLOW_GUARD=pages detects more of such "
+     "writes\n"},
     {set_alarm, 4, "here: plugin 'bad' left an alarm set\n"},
 };
 
 static void test_plugins(void) {
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_autofree char *message = NULL;
+    g_test_message("case %zu", i);
     int code = guarded_run(cases[i].plugin, &message);
     g_assert_cmpstr(message, ==, cases[i].message);
     g_assert_cmpint(code, ==, cases[i].code);

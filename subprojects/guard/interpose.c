@@ -6,7 +6,9 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <guard/guard.h>
+#include <guard/process.h>
 #include <pthread.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -42,6 +44,14 @@ EXPORT _Noreturn void quick_exit(int code) {
 
 EXPORT _Noreturn void _exit(int code) { process_leave("_exit", code); }
 
+/* daemon() ends the process by an internal call of _exit. */
+EXPORT int daemon(int folder, int streams) {
+  int (*next)(int, int);
+  guard_exit();
+  find_next("daemon", &next);
+  return next(folder, streams);
+}
+
 EXPORT _Noreturn void _Exit(int code) { process_leave("_Exit", code); }
 
 /* ---- another program in this process ---- */
@@ -49,7 +59,7 @@ EXPORT _Noreturn void _Exit(int code) { process_leave("_Exit", code); }
 /* A plugin that calls a function of the exec family would end the run with the
    exit code of another program. A forked child may call the exec functions. The
    C library's functions are looked up at start, because dlsym() can block in a
-   child. */
+   child, and in a thread while another thread loads a plugin. */
 typedef int exec_path(const char *, char *const[]);
 typedef int exec_environment(const char *, char *const[], char *const[]);
 
@@ -60,7 +70,14 @@ static struct {
   int (*execveat)(int, const char *, char *const[], char *const[], int);
 } next_exec;
 
+static struct {
+  int (*sigaltstack)(const stack_t *, stack_t *);
+  int (*system)(const char *);
+} next_signal;
+
 __attribute__((constructor)) static void exec_find(void) {
+  find_next("sigaltstack", &next_signal.sigaltstack);
+  find_next("system", &next_signal.system);
   find_next("execv", &next_exec.execv);
   find_next("execvp", &next_exec.execvp);
   find_next("execve", &next_exec.execve);
@@ -128,6 +145,23 @@ static int words_collect(const char *first, va_list more, char **words) {
 EXEC_LIST(execl, next_exec.execv(path, words))
 EXEC_LIST(execlp, next_exec.execvp(path, words))
 EXEC_LIST(execle, next_exec.execve(path, words, va_arg(more, char **)))
+
+/* ---- signals ---- */
+
+EXPORT int sigaltstack(const stack_t *stack, stack_t *before) {
+  if (stack) guard_stack_check();
+  int code = next_signal.sigaltstack(stack, before);
+  if (!code && stack && stack->ss_flags & SS_DISABLE) guard_stack_give();
+  return code;
+}
+
+/* system() ignores SIGINT while the command runs. */
+EXPORT int system(const char *command) {
+  process_ignores_interrupt(1);
+  int code = next_signal.system(command);
+  process_ignores_interrupt(-1);
+  return code;
+}
 
 /* ---- threads ---- */
 

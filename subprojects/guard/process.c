@@ -156,12 +156,30 @@ static int has_alarm(void) {
   return left.it_value.tv_sec || left.it_value.tv_usec;
 }
 
+/* Number of threads in system(), and number of calls of system(). */
+static unsigned interrupts_ignored, ignored_calls;
+
+void process_ignores_interrupt(int more) {
+  if (more > 0) __atomic_add_fetch(&ignored_calls, 1, __ATOMIC_SEQ_CST);
+  __atomic_add_fetch(&interrupts_ignored, (unsigned)more, __ATOMIC_SEQ_CST);
+}
+
+/* Return whether the handler of signal i has changed, except by system(). */
+static int handler_changed(int i) {
+  unsigned before = __atomic_load_n(&ignored_calls, __ATOMIC_SEQ_CST);
+  unsigned ignored = __atomic_load_n(&interrupts_ignored, __ATOMIC_SEQ_CST);
+  if (handler_now(process_signals[i].number) == settled.handler[i]) return 0;
+  return process_signals[i].number != SIGINT ||
+         (!ignored &&
+          before == __atomic_load_n(&ignored_calls, __ATOMIC_SEQ_CST));
+}
+
 const char *process_change(const char **detail) {
   *detail = "";
   if (strncmp(setlocale(LC_ALL, NULL), settled.locale, LONGEST_LOCALE - 1) != 0)
     return "changed the locale";
   for (int i = 0; process_signals[i].number; i++)
-    if (handler_now(process_signals[i].number) != settled.handler[i]) {
+    if (handler_changed(i)) {
       *detail = process_signals[i].name;
       return "changed the handler of ";
     }

@@ -14,7 +14,8 @@ typedef struct eda_resist {
   int (*prepare)(void *self, const opc_module *litho, opc_error *error);
 
   /* Convert the intensity of a layer, in place, to its level set: positive
-     where the resist remains. The grid of the field may change. [any] */
+     where the resist remains. The grid of the field may change: free replaced
+     coefficients by eda_field_clear. [any] */
   int (*print)(const void *self, int layer, eda_field *field, opc_error *error);
 
   /* Optional. Receive the transistors to be simulated, to derive defaults of

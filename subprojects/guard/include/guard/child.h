@@ -17,6 +17,9 @@ enum { CHILD_ENDED = 0, CHILD_LATE = -1, CHILD_NONE = -2 };
 GString *child_run(void (*work)(int out, void *data), void *data,
                    double seconds, int *end);
 
+/* Kill all children of this process, if Linux lists them. */
+void child_kill_all(void);
+
 /* Return the time for which the first thread of a process (0: this process) was
    ready but had no processor, us; 0 if Linux does not report the time. */
 gint64 child_waited(int pid);

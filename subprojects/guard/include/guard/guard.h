@@ -29,9 +29,10 @@ void guard_adopt(const char *id);
 const char *guard_inside(void);
 
 /* Install handlers for the signals of a crash (process_signals). Call once. A
-   signal outside of plugins, or sent by another process, acts as without the
-   guard. `wipe` (may be NULL) is written before the message. guard_remove
-   restores the default actions. [main] */
+   signal sent by another process, or before any plugin was called, acts as
+   without the guard. After a crash by invalid memory, the message also lists
+   the plugins called before. `wipe` (may be NULL) is written before the
+   message. guard_remove restores the default actions. [main] */
 void guard_install(const char *wipe);
 void guard_remove(void);
 
@@ -68,11 +69,20 @@ void guard_folder(const char *work, const char *failed, const char *lock);
    threads. Safe in a signal handler. */
 _Noreturn void guard_end(int code);
 
+/* Report the plugin of this thread before a change of the thread's alternate
+   signal stack: a stack overflow would end the process without a message.
+   Threads that plugins start are excepted. [any] */
+void guard_stack_check(void);
+/* Give such a thread the guard's stack again if the thread has none. [any] */
+void guard_stack_give(void);
+
 /* If this thread runs a plugin, report that the plugin ended the process, and
    end the process; otherwise return. */
 void guard_exit(void);
 
-/* Set the final exit code, before exit handlers of plugins may run. [main] */
+/* Set the final exit code, before exit handlers of plugins may run. If plugins
+   left processes running, end these processes and the command, as after a
+   crash. [main] */
 void guard_done(int code);
 
 /* Return the final exit code; `code` if guard_done was not called. */

@@ -31,6 +31,10 @@ int process_signals_change(void);
  *detail receives the end of the sentence, or "". [any] */
 const char *process_change(const char **detail);
 
+/* Record that this thread calls (1) or has called (-1) system(), which ignores
+   SIGINT during the call: no change of a handler. [any] */
+void process_ignores_interrupt(int more);
+
 /* Return a file descriptor of the recorded working folder, for renameat(). */
 int process_folder(void);
 
