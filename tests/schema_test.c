@@ -51,7 +51,8 @@ static void test_content(void) {
        ".pitch.default",
        "\"0 nm\""},
       {"$.definitions['regulator.drc'].properties.overlay.description",
-       "\"largest overlay error between layers (nm); >= 0 nm, <= 1000 nm; "
+       "\"largest overlay error (misalignment) between layers (nm); >= 0 nm, "
+       "<= 1000 nm; "
        "default: 0.039 lambda/NA\""},
       {"$.definitions['read.gds'].additionalProperties", "false"},
       {"$.definitions.correct.properties.litho.allOf[0]['$ref']",
