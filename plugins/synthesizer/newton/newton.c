@@ -16,18 +16,6 @@
 
 /* ---- state ---- */
 
-enum {
-  WITHIN,
-  GRID,
-  BLOCKED,
-  BIAS,
-  NO_PRINT,
-  OUTSIDE,
-  MOVING,
-  LEAKS,
-  LEAKS_AT_BOUND,
-  VERDICTS
-};
 static const char *const verdicts[VERDICTS] = {
     "within limit",    "grid",
     "bridging",        "bias limit",
@@ -425,21 +413,6 @@ static void transistor_decide(void *data, size_t i) {
     s->next = s->now;
   else
     s->next = k == last ? s->best : next;
-}
-
-/* Log once the number of transistors beyond the limit that could still move. */
-static void newton_log_unconverged(newton *t, int64_t print) {
-  size_t open = 0;
-  if (t->reported || print < t->iterations) return;
-  for (size_t i = 0; i < t->count; i++)
-    open += t->state[i].verdict == MOVING && t->goal[i].weight > 0 &&
-            !(t->state[i].best_size <= newton_ion_limit(t));
-  if (open)
-    t->host->log(t->host, OPC_LOG_FINDING,
-                 "synthesizer.newton: not converged after %d iterations: %zu "
-                 "of %zu transistors could move further",
-                 (int)t->iterations, open, t->count);
-  t->reported = 1;
 }
 
 static int newton_update(void *self, const eda_feedback *f, eda_moves *moves,

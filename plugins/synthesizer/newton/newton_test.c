@@ -289,6 +289,19 @@ static void test_veto(void) {
   g_assert_cmpstr(s->verdict(m->self, 0), ==, "bridging");
 }
 
+/* After the last iteration, the message names the worst transistor. */
+static void test_unconverged(void) {
+  g_autoptr(opc_module) m = model_make("{ iterations: 1, gain: { l: 9 } }");
+  model t = {.n = 3, .gain_l = 2.6, .gain_w = 1.05, .off_l = {0, 9, 12}};
+  opc_test_log();
+  model_run(m, &t);
+  g_assert_cmpfloat(fabs(t.ion[2]), >, fabs(t.ion[1]));
+  g_assert_cmpfloat(fabs(t.ion[1]), >, 1);
+  g_assert_nonnull(strstr(opc_test_log(),
+                          "2 of 3 transistors could move further, the worst is "
+                          "cell:3"));
+}
+
 /* The regulator undoes moves of L for some iterations. W moves instead and
    reaches its bound of 10 nm with a large error. L corrects this error as soon
    as L has an effect again. */
@@ -320,6 +333,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/newton/weights-of-plain", test_weights_of_plain);
   g_test_add_func("/newton/jog", test_jog);
   g_test_add_func("/newton/veto", test_veto);
+  g_test_add_func("/newton/unconverged", test_unconverged);
   g_test_add_func("/newton/bound-releases-length", test_bound_releases_length);
   return g_test_run();
 }

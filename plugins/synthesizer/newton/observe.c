@@ -418,3 +418,27 @@ void newton_predict(newton *t, const eda_feedback *f) {
     s->uncertainty += noise;
   }
 }
+
+/* ---- work: messages ---- */
+
+void newton_log_unconverged(newton *t, int64_t print) {
+  const eda_gates *g = t->gates;
+  size_t open = 0, worst = 0;
+  if (t->reported || print < t->iterations) return;
+  t->reported = 1;
+  for (size_t i = 0; i < t->count; i++) {
+    const transistor *s = &t->state[i];
+    if (s->verdict != MOVING || !(t->goal[i].weight > 0) ||
+        s->best_size <= newton_ion_limit(t))
+      continue;
+    if (!open || s->best_size > t->state[worst].best_size) worst = i;
+    open++;
+  }
+  if (!open) return;
+  t->host->log(t->host, OPC_LOG_FINDING,
+               "synthesizer.newton: not converged after %d iterations: %zu of "
+               "%zu transistors could move further, the worst is %s:%u",
+               (int)t->iterations, open, t->count,
+               *g->instance[worst] ? g->instance[worst] : g->cell[worst],
+               g->number[worst]);
+}

@@ -19,6 +19,20 @@ typedef struct biases {
    gate area. */
 enum { PLAIN, BALANCED, FULL, TARGETS };
 
+/* Reasons for the remaining deviation of a transistor. */
+enum {
+  WITHIN,
+  GRID,
+  BLOCKED,
+  BIAS,
+  NO_PRINT,
+  OUTSIDE,
+  MOVING,
+  LEAKS,
+  LEAKS_AT_BOUND,
+  VERDICTS
+};
+
 /* State of a transistor. An error is log(printed / target); errors_size
    combines the errors of a transistor into their size. */
 typedef struct transistor {
@@ -134,3 +148,7 @@ void newton_reshape(newton *t, size_t i, const shape *to);
 
 /* Compute the uncertainty of the next log Ion of each transistor. */
 void newton_predict(newton *t, const eda_feedback *f);
+
+/* Report transistors beyond the limit that could move after the last iteration,
+   once, with the worst of them. */
+void newton_log_unconverged(newton *t, int64_t print);
