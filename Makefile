@@ -3,6 +3,10 @@
 # make test    the same, then run every test
 # make bench   the benchmarks; results in build/bench/NAME.json
 # make sanitize  every test under AddressSanitizer and UBSan
+#
+# make coverage [FOLDERS=core/run]  lines that the unit tests of a folder execute
+# make mutants [COUNT=100] [SEED=1] [JOBS=1] [FOLDERS=core/run]  undetected changes of lines
+#
 # make fuzz [TARGET=gds] [RUNS=10000000]  libFuzzer on the parsers, with clang
 # make lint    clang-format and clang-tidy over all code
 # make install [PREFIX=/usr/local] [DESTDIR=]  says where things went
@@ -11,7 +15,7 @@ BUILD ?= build
 MESON_FLAGS ?=
 export MESONFLAGS =
 
-.PHONY: demo test bench sanitize fuzz lint install build clean
+.PHONY: demo test bench sanitize coverage mutants fuzz lint install build clean
 
 demo: build
 	$(BUILD)/opcflow run flows/demo.yaml
@@ -37,8 +41,24 @@ bench: build
 # release build only, because the compiler's warnings depend on the optimisation.
 sanitize:
 	@$(MAKE) --no-print-directory test BUILD=build-sanitize \
-	  MESON_FLAGS="--buildtype plain -Doptimization=g -Dc_args=-g1 -Dwerror=false \
+	  MESON_FLAGS="--buildtype plain -Doptimization=g '-Dc_args=-g1 -Wno-error' \
 	  -Db_sanitize=address,undefined -Db_lundef=false"
+
+FOLDERS ?=
+COUNT ?= 100
+SEED ?= 1
+JOBS ?= 1
+coverage:
+	@tools/install-packages
+	@[ -f build-coverage/build.ninja ] || meson setup build-coverage --buildtype plain \
+	  -Doptimization=0 -Dc_args=-w -Db_coverage=true >build-coverage.log 2>&1 || \
+	  { cat build-coverage.log; exit 1; }
+	@rm -f build-coverage.log
+	@tools/coverage build-coverage $(FOLDERS)
+
+mutants:
+	@tools/install-packages
+	@tools/mutants build-mutants --count $(COUNT) --seed $(SEED) --jobs $(JOBS) $(FOLDERS)
 
 TARGET ?= all
 RUNS ?= 10000000
@@ -55,4 +75,4 @@ install: build
 	@tools/install $(BUILD) $(abspath $(PREFIX))
 
 clean:
-	rm -rf build build-sanitize build-fuzz
+	rm -rf build build-sanitize build-fuzz build-coverage build-mutants

@@ -64,7 +64,8 @@ static void test_zero(void) {
 }
 
 static void test_text(void) {
-  static const double numbers[] = {0.1, 1e300, 1.0 / 3, 65, -0.5, 5e-324};
+  static const double numbers[] = {0.1,  1e300,  1.0 / 3,  65,
+                                   -0.5, 5e-324, 0.1 + 0.2};
   for (size_t i = 0; i < G_N_ELEMENTS(numbers); i++) {
     g_autofree char *text = opc_number_text(numbers[i]);
     g_assert_true(g_ascii_strtod(text, NULL) == numbers[i]);

@@ -94,6 +94,12 @@ static void test_parts(void) {
   g_assert_cmpint(p.count, <=, EDA_PARTS);
   for (int k = 0; k < p.count; k++)
     g_assert_cmpfloat(p.edge[k + 1] - p.edge[k], >=, PART);
+  int middle = (p.first + p.last) / 2; /* the parts are symmetric to it */
+  for (int k = p.first; k <= p.last; k++)
+    g_assert_cmpfloat(p.edge[k] + p.edge[p.first + p.last - k], ==, 10000);
+  for (int k = p.first; k < middle - 1; k++)
+    g_assert_cmpfloat(p.edge[k + 1] - p.edge[k], ==, PART);
+  g_assert_cmpfloat(p.edge[middle], ==, 5000);
   g_assert_cmpint(parts_here(59, &edges).count, ==, 0);
 }
 
