@@ -173,11 +173,64 @@ static void test_trouble(void) {
   g_assert_false(r.flags & EDA_PRINT_MERGED);
 }
 
+/* An extractor with the figure (k + 1) W for figure k. */
+static int widths_extract(const void *self, const eda_slices *in,
+                          eda_performance *out, opc_error *error) {
+  (void)self, (void)error;
+  for (size_t i = 0; i < in->count; i++) {
+    double width = 0;
+    for (size_t s = 0; s < SLICES; s++) width += in->width[SLICES * i + s];
+    for (int k = 0; k < 6; k++) (&out->ion)[k][i] = (k + 1) * width;
+    out->outside[i] = i % 2;
+  }
+  return OPC_OK;
+}
+
+/* Gates are measured in blocks, and each has its own figures. */
+static void test_blocks(void) {
+  enum { GATES = 150 };
+  static const eda_extractor functions = {.slicing = slicing,
+                                          .extract = widths_extract};
+  const opc_module module = {&functions, NULL, "extractor.widths"};
+  static eda_box box[GATES];
+  static uint8_t type[GATES], axis[GATES];
+  static double length[GATES], width[GATES], beside[2 * GATES];
+  eda_gates gates = {.grid = 1,
+                     .layers = 2,
+                     .count = GATES,
+                     .box = box,
+                     .type = type,
+                     .axis = axis,
+                     .length = length,
+                     .width = width,
+                     .space = beside,
+                     .extension = beside};
+  eda_performance out;
+  opc_error error;
+  for (int i = 0; i < GATES; i++) {
+    box[i] = (eda_box){200 * i, 0, 200 * i + 60, 300 + i};
+    axis[i] = EDA_X;
+    length[i] = 60;
+    width[i] = 300 + i;
+    beside[2 * i] = beside[2 * i + 1] = 140;
+  }
+  eda_performance_init(&out, GATES);
+  g_assert_cmpint(eda_measure_drawn(NULL, &gates, &module, &out, &error), ==,
+                  OPC_OK);
+  for (int i = 0; i < GATES; i++) {
+    for (int k = 0; k < 6; k++)
+      g_assert_cmpfloat(fabs((&out.ion)[k][i] - (k + 1) * width[i]), <, 1e-9);
+    g_assert_cmpuint(out.outside[i], ==, i % 2);
+  }
+  eda_performance_clear(&out);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/measure/slices", test_slices);
   g_test_add_func("/measure/extension", test_extension);
   g_test_add_func("/measure/figures", test_figures);
   g_test_add_func("/measure/trouble", test_trouble);
+  g_test_add_func("/measure/blocks", test_blocks);
   return g_test_run();
 }
