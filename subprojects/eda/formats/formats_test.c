@@ -106,7 +106,8 @@ static void test_holes(void) {
   g_assert_nonnull(strstr(e.message, "is not inside of a polygon"));
 }
 
-/* Equal boxes become one record with a repetition. */
+/* Equal boxes become one record with a repetition; a box on another layer
+   becomes another record. */
 static void test_oasis(void) {
   char *bytes = NULL;
   size_t n = 0;
@@ -116,9 +117,12 @@ static void test_oasis(void) {
     eda_point box[4] = {{7 * i, 0}, {7 * i + 5, 0}, {7 * i + 5, 5}, {7 * i, 5}};
     eda_oasis_polygon(out, (eda_layer_number){9, 0}, box, 4);
   }
+  const eda_point other[4] = {{1, 2}, {6, 2}, {6, 7}, {1, 7}};
+  eda_oasis_polygon(out, (eda_layer_number){8, 3}, other, 4);
   eda_oasis_end_shapes(out);
-  static const uint8_t want[] = {20, 0xdf, 9,    0, 5,           0,
-                                 0,  9,    0xe6, 7, 7 << 4 & 127};
+  static const uint8_t want[] = {
+      20, 0xdf,         9,  0,    5, 0, 0, 9,      0xe6,
+      7,  7 << 4 & 127, 20, 0xdb, 8, 3, 5, 1 << 1, 2 << 1};
   g_assert_cmpuint(eda_oasis_collected(out), ==, sizeof want);
   eda_oasis_end_plain(out);
   g_assert_cmpuint(eda_oasis_place(out), ==, sizeof want);
