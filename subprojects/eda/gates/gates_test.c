@@ -105,6 +105,15 @@ static void test_unsound(void) {
   g->layer[METAL] = g->layer[EDA_POLY];
   assert_refused(g, "two layers have the name 'poly'");
   g->layer[METAL] = name;
+  eda_shapes drawn = g->drawn[METAL];
+  eda_edges edges = g->edges[METAL];
+  g->drawn[METAL] = (eda_shapes){.count = 1};
+  assert_refused(
+      g, "drawn shapes: the point ranges of the polygons are not valid");
+  g->drawn[METAL] = drawn;
+  g->edges[METAL] = (eda_edges){.polygons = 1};
+  assert_refused(g, "edges are missing");
+  g->edges[METAL] = edges;
   g->layers = 1;
   assert_refused(g, "1 layers are too few for transistors");
   g->layers = LAYERS;
