@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step `correct`: runs the correction loop
-   (subprojects/correct/loop.c) and reports the result. */
+   (subprojects/correct/loop.c) for a whole layout and reports the result, or
+   corrects the layout by classes (divide.c). */
 #include <eda/memory.h>
 #include <glib.h>
 #include <inttypes.h>
@@ -13,23 +14,9 @@
 #include <correct/fine.h>
 #include <correct/loop.h>
 #include <correct/rules.h>
-#include <correct/settings.h>
-#include <correct/start.h>
+#include "divide.h"
 
-/* ---- state ---- */
-
-typedef struct correct {
-  const opc_host *host;
-  const eda_gates *gates;
-  loop_start start;
-  correct_settings with;
-  const opc_module *edges;
-  corners_request corners;
-  gate_srafs assists;
-  sraf_search_state search;
-  int trace;
-  int prepared; /* 1: the extractor is prepared */
-} correct;
+/* ---- state: divide.h ---- */
 
 /* ---- work ---- */
 
@@ -107,11 +94,9 @@ static int correct_report(const correct *c, loop *l, eda_mask *mask,
 
 static int correct_put_settings(const correct *c, opc_error *error);
 
-static int correct_run(void *self, void **outputs, opc_error *error) {
-  const correct *c = self;
-  int code = correct_start_check(&c->start, c->gates, error);
-  if (!code) code = correct_put_settings(c, error);
-  if (code) return code;
+/* Correct the whole layout. outputs[0] is the mask of c->gates. */
+static int whole_run(const correct *c, void **outputs, opc_error *error) {
+  eda_mask *mask = outputs[0];
   loop l;
   correct_loop_init(&l, c->host, c->gates, &c->with);
   l.start = c->start;
@@ -121,9 +106,7 @@ static int correct_run(void *self, void **outputs, opc_error *error) {
   l.corners.request = c->corners;
   l.assists = c->assists;
   l.search = c->search;
-  eda_mask *mask = eda_mask_new(c->gates);
-  outputs[0] = mask; /* released by the host on failure */
-  code = correct_loop_run(&l, error);
+  int code = correct_loop_run(&l, error);
   if (!code) {
     correct_log_overlaps(&l);
     code = correct_report_found(&l, mask, error);
@@ -142,17 +125,41 @@ static int correct_run(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
-static int correct_step_forecast(void *self, opc_forecast *out,
-                                 opc_error *error) {
-  correct *c = self;
+static void whole_forecast(const correct *c, const eda_gates *gates,
+                           opc_forecast *out) {
   char fast[48], both[80];
   (void)snprintf(fast, sizeof fast, "at most %" PRId64 " simulations",
                  c->with.max_iterations + 1);
   (void)snprintf(both, sizeof both, "%s and %d accurate simulations", fast,
                  VERIFICATIONS + 1);
-  correct_forecast(&c->with, c->host, c->gates, fast, both, out);
+  correct_forecast(&c->with, c->host, gates, fast, both, out);
   out->memory *= (double)correct_corners_images(&c->corners);
-  int code = eda_extractor_prepare(c->host->context, c->with.extractor, error);
+}
+
+static int correct_run(void *self, void **outputs, opc_error *error) {
+  correct *c = self;
+  int by_classes = 0;
+  int code = divide_check(c, error);
+  if (!code) code = correct_put_settings(c, error);
+  if (!code && c->layout)
+    code = divide_run(c, whole_forecast, outputs, &by_classes, error);
+  if (code || by_classes) return code;
+  code = correct_start_check(&c->start, c->gates, error);
+  if (code) return code;
+  eda_mask *mask = eda_mask_new(c->gates);
+  outputs[0] = mask; /* released by the host on failure */
+  if (c->layout) mask->own = divide_take_gates(c);
+  return whole_run(c, outputs, error);
+}
+
+static int correct_step_forecast(void *self, opc_forecast *out,
+                                 opc_error *error) {
+  correct *c = self;
+  int code = divide_check(c, error);
+  if (code) return code;
+  if (c->layout) return divide_forecast(c, whole_forecast, out, error);
+  whole_forecast(c, c->gates, out);
+  code = eda_extractor_prepare(c->host->context, c->with.extractor, error);
   if (code) return code;
   c->prepared = 1;
   correct_findings_of_drawing(c->host, c->gates, c->with.extractor);
@@ -160,23 +167,37 @@ static int correct_step_forecast(void *self, opc_forecast *out,
 }
 
 static int correct_step_sketch(void *self, void **outputs, opc_error *error) {
-  (void)error;
-  return correct_sketch_mask(((const correct *)self)->gates, outputs);
+  correct *c = self;
+  return c->layout ? divide_sketch(c, whole_forecast, outputs, error)
+                   : correct_sketch_mask(c->gates, outputs);
 }
 
 /* ---- restoring ---- */
 
 static int correct_restore(void *self, const char *folder, void **outputs,
                            opc_error *error) {
-  const correct *c = self;
-  return eda_mask_restore(c->gates, folder, &outputs[0], error);
+  correct *c = self;
+  return c->layout ? divide_restore(c, folder, outputs, error)
+                   : eda_mask_restore(c->gates, folder, &outputs[0], error);
 }
 
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    OPC_PARAMETER(correct, gates, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "gates", .summary = "Transistors to correct"),
+    OPC_PARAMETER(correct, layout, .type = OPC_INPUT, .choices = "layout",
+                  .given = offsetof(correct, layout_given),
+                  .summary = "Layout to correct, with the layers required by "
+                             "segment.transistors"),
+    OPC_PARAMETER(correct, gates, .type = OPC_INPUT, .choices = "gates",
+                  .given = offsetof(correct, gates_given),
+                  .summary = "Transistors to correct as a whole, instead of "
+                             "'layout'"),
+    OPC_PARAMETER(
+        correct, divide, .type = OPC_CHOICE, .preset = "auto",
+        .choices = "auto|whole|environments",
+        .summary = "Division of the layout: whole, or classes of transistors "
+                   "in equivalent environments; auto: by size and repetition"),
+    DIVIDE_PARAMETERS(correct),
     OPC_PARAMETER_NAMED(
         "start", correct, start.mask, .type = OPC_INPUT, .choices = "mask",
         .summary =
@@ -216,6 +237,7 @@ static const opc_parameter parameters[] = {
 
 static const opc_metric metrics[] = {
     {"transistors", NULL, OPC_NEUTRAL, 0, "number of corrected transistors"},
+    DIVIDE_METRICS,
     REPORT_METRICS,
     REPORT_DRAWN_METRICS,
     {.name = "epe_mean",
@@ -272,9 +294,17 @@ static int correct_put_settings(const correct *c, opc_error *error) {
 
 static int correct_check(void *self, opc_error *error) {
   correct *c = self;
+  double margin = c->with.margin;
   int code = correct_settings_check(&c->with, c->host, error);
   correct_follow(c);
+  c->margin = correct_classes_margin(&c->with, margin);
+  if (!code) code = divide_check_settings(c, error);
   return code ? code : correct_corners_check(&c->corners, error);
+}
+
+static void correct_clear(void *self) {
+  correct *c = self;
+  eda_gates_free(c->own);
 }
 
 /* ---- entry ---- */
@@ -285,11 +315,13 @@ static const opc_step functions = {OPC_OUTPUTS(outputs),
                                    .forecast = correct_step_forecast,
                                    .sketch = correct_step_sketch,
                                    .save = correct_save_mask,
-                                   .restore = correct_restore};
+                                   .restore = correct_restore,
+                                   .flags = OPC_STEP_PIECES};
 
 OPC_PLUGIN(
     correct, .id = "correct", .kind = "step", .version = OPC_VERSION,
     .licence = "BSD-3-Clause",
     .summary = "displace mask edges until every transistor performs as drawn",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
-    OPC_METRICS(metrics), .check = correct_check, OPC_FUNCTIONS(functions));
+    OPC_METRICS(metrics), .check = correct_check, .clear = correct_clear,
+    OPC_FUNCTIONS(functions));

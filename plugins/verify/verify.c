@@ -21,6 +21,7 @@ typedef struct verify {
 static int verify_run(void *self, void **outputs, opc_error *error) {
   const verify *v = self;
   const eda_gates *gates = v->mask->gates;
+  if (eda_mask_need_flat(v->mask, "verify", error)) return error->code;
   eda_mask *out = eda_mask_new(gates);
   double *extension = NULL;
   int code = OPC_OK;
@@ -43,7 +44,7 @@ static int verify_run(void *self, void **outputs, opc_error *error) {
 
 static int verify_forecast(void *self, opc_forecast *out, opc_error *error) {
   const verify *v = self;
-  (void)error;
+  if (eda_mask_need_flat(v->mask, "verify", error)) return error->code;
   correct_forecast(&v->with, v->host, v->mask->gates, "one simulation",
                    "one accurate simulation", out);
   return OPC_OK;

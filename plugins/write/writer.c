@@ -167,17 +167,24 @@ static int put_cell(writer *w, const eda_layout *layout, int32_t cell,
   return w->failed;
 }
 
-static int put_layout(writer *w, const eda_layout *layout, opc_error *error) {
-  const char **names = eda_alloc(eda_layout_layers(layout), sizeof *names);
-  int code = name_layers(w, layout, names, error);
-  if (!code) w->format->begin(w, layout, eda_layout_unit(layout));
-  if (!code) code = w->failed;
+/* Write all cells; `names`: of the layers. */
+static int put_cells(writer *w, const eda_layout *layout,
+                     const char *const *names, opc_error *error) {
+  w->format->begin(w, layout, eda_layout_unit(layout));
+  int code = w->failed;
   for (size_t i = 0; i < eda_layout_cells(layout) && !code; i++) {
     if (opc_cancelled(w->host->context))
       code = opc_fail(error, OPC_CANCELLED, NULL, "cancelled");
     else
       code = put_cell(w, layout, (int32_t)i, names, error);
   }
+  return code;
+}
+
+static int put_layout(writer *w, const eda_layout *layout, opc_error *error) {
+  const char **names = eda_alloc(eda_layout_layers(layout), sizeof *names);
+  int code = name_layers(w, layout, names, error);
+  if (!code) code = put_cells(w, layout, names, error);
   free(names);
   return code;
 }
@@ -270,9 +277,33 @@ static int put_mask_layers(writer *w, mask_layer *layers, opc_error *error) {
   return w->failed;
 }
 
+/* Write a mask by classes as cells and arrays, without the drawn shapes. */
+static int put_classes(writer *w, mask_layer *layers, opc_error *error) {
+  const eda_mask *m = w->mask;
+  eda_layout *layout = NULL;
+  if (name_mask(w, layers, list_mask(w, layers), error)) return error->code;
+  int code = m->access->layout(m, 0, &layout, error);
+  if (code) return code;
+  const char **names = eda_alloc(m->layers, sizeof *names);
+  for (size_t k = 0; k < m->layers; k++) {
+    int32_t at = eda_layout_find_layer(layout, m->gates->layer[k]);
+    if (at >= 0) names[at] = layers[k].file_name;
+  }
+  code = put_cells(w, layout, names, error);
+  if (!code)
+    w->host->log(w->host, OPC_LOG_INFO,
+                 "%s: the mask in %zu cells; the drawn shapes are in the file "
+                 "of the layout",
+                 w->name, eda_layout_cells(layout));
+  free(names);
+  eda_layout_free(layout);
+  return code;
+}
+
 static int put_mask(writer *w, opc_error *error) {
   mask_layer *layers = eda_alloc(2 * w->mask->gates->layers, sizeof *layers);
-  int code = put_mask_layers(w, layers, error);
+  int code = w->mask->chip ? put_classes(w, layers, error)
+                           : put_mask_layers(w, layers, error);
   free(layers);
   return code;
 }

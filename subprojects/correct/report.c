@@ -20,11 +20,24 @@ enum {
 
 /* ---- statistics ---- */
 
-static void statistics_add(statistics *s, double x) {
-  s->n++;
-  s->sum += x;
-  s->absolute += fabs(x);
-  s->square += x * x;
+/* Sums over n values: values, absolute values, squares; largest absolute value.
+ */
+typedef struct statistics {
+  double n, sum, absolute, square, max;
+} statistics;
+
+/* Deviations, %, of n-, p- and all transistors that print. */
+typedef struct groups {
+  statistics ion[3], area[3], ioff[3];
+  double leakage[3], leakage_drawn[3]; /* sums of Ioff, A */
+} groups;
+
+/* Add n equal values. */
+static void statistics_add(statistics *s, double x, double n) {
+  s->n += n;
+  s->sum += n * x;
+  s->absolute += n * fabs(x);
+  s->square += n * x * x;
   s->max = fmax(s->max, fabs(x));
 }
 
@@ -50,31 +63,37 @@ static int gate_failed(const uint32_t *flags, size_t i) {
   return flags && eda_print_failed(flags[i]);
 }
 
-void correct_groups_add(groups *to, int type, const eda_figures *drawn,
-                        const eda_figures *printed) {
+/* Add the deviations of n equal printed transistors of a type. */
+static void groups_add(groups *to, int type, const eda_figures *drawn,
+                       const eda_figures *printed, double n) {
   for (int k = 0; k < 2; k++) {
     int group = k ? 2 : type == EDA_PMOS;
-    statistics_add(&to->ion[group], eda_deviation(printed->ion, drawn->ion));
-    statistics_add(&to->area[group], eda_deviation(printed->area, drawn->area));
-    statistics_add(&to->ioff[group], eda_deviation(printed->ioff, drawn->ioff));
-    to->leakage[group] += printed->ioff;
-    to->leakage_drawn[group] += drawn->ioff;
+    statistics_add(&to->ion[group], eda_deviation(printed->ion, drawn->ion), n);
+    statistics_add(&to->area[group], eda_deviation(printed->area, drawn->area),
+                   n);
+    statistics_add(&to->ioff[group], eda_deviation(printed->ioff, drawn->ioff),
+                   n);
+    to->leakage[group] += n * printed->ioff;
+    to->leakage_drawn[group] += n * drawn->ioff;
   }
 }
 
-static groups groups_of(const eda_gates *g, const eda_performance *design,
+/* Return the deviations of gates; `count`: number of transistors that each gate
+   represents, NULL: one. */
+static groups groups_of(const eda_gates *g, const uint32_t *count,
+                        const eda_performance *design,
                         const eda_performance *printed, const uint32_t *flags) {
   groups out = {0};
   for (size_t i = 0; i < g->count; i++) {
     if (gate_failed(flags, i)) continue;
     eda_figures drawn = eda_figures_of(design, i),
                 now = eda_figures_of(printed, i);
-    correct_groups_add(&out, g->type[i], &drawn, &now);
+    groups_add(&out, g->type[i], &drawn, &now, count ? count[i] : 1);
   }
   return out;
 }
 
-summary correct_groups_sum(const groups *g) {
+static summary groups_sum(const groups *g) {
   summary out = {.ion_mean = mean_of(&g->ion[2]),
                  .ion_max = max_of(&g->ion[2]),
                  .ion_stdv = stdv_of(&g->ion[2]),
@@ -90,16 +109,18 @@ summary correct_groups_sum(const groups *g) {
   return out;
 }
 
-summary correct_summarize(const eda_gates *gates, const eda_performance *design,
-                          const eda_performance *printed, const uint32_t *flags,
-                          const sites *places) {
-  groups g = groups_of(gates, design, printed, flags);
+static summary summarize(const eda_gates *gates, const uint32_t *count,
+                         const eda_performance *design,
+                         const eda_performance *printed, const uint32_t *flags,
+                         const sites *places) {
+  groups g = groups_of(gates, count, design, printed, flags);
   statistics epe = {0};
-  summary out = correct_groups_sum(&g);
-  out.gates = gates->count;
+  summary out = groups_sum(&g);
   for (size_t i = 0; i < gates->count; i++) {
-    out.failed += (size_t)gate_failed(flags, i);
-    out.outside += (flags[i] & EDA_PRINT_OUTSIDE) != 0;
+    size_t n = count ? count[i] : 1;
+    out.gates += n;
+    out.failed += gate_failed(flags, i) ? n : 0;
+    out.outside += flags[i] & EDA_PRINT_OUTSIDE ? n : 0;
   }
   for (size_t k = 0; places && k < gates->layers; k++) {
     out.sites += places[k].count;
@@ -107,11 +128,17 @@ summary correct_summarize(const eda_gates *gates, const eda_performance *design,
       if (isnan(places[k].epe[i]))
         out.lost++;
       else
-        statistics_add(&epe, places[k].epe[i]);
+        statistics_add(&epe, places[k].epe[i], 1);
   }
   out.epe_mean = mean_of(&epe);
   out.epe_max = max_of(&epe);
   return out;
+}
+
+summary correct_summarize(const eda_gates *gates, const eda_performance *design,
+                          const eda_performance *printed, const uint32_t *flags,
+                          const sites *places) {
+  return summarize(gates, NULL, design, printed, flags, places);
 }
 
 /* ---- history ---- */
@@ -195,7 +222,8 @@ static int finding_table(const opc_host *host, const eda_mask *m,
     row[rows].name = findings[k].name;
     row[rows].count = 0;
     for (size_t i = 0; i < m->gates->count; i++)
-      row[rows].count += (m->flags[i] & findings[k].flag) != 0;
+      if (m->flags[i] & findings[k].flag)
+        row[rows].count += (int64_t)eda_mask_count(m, i);
     rows += row[rows].count > 0;
   }
   const opc_column columns[] = {{"print", NULL, OPC_TEXT, 0, &row->name},
@@ -214,6 +242,7 @@ char *correct_report_gate_name(const eda_gates *g, size_t i) {
 typedef struct gate_row {
   char *name;
   const char *cell, *type, *print, *verdict;
+  int64_t count;
   double l, w, x, y;
   double ion_before, ion, ioff, area, leq, weq, change;
   double mask_l, mask_w, mask_jog, end[2], extension[2];
@@ -255,6 +284,7 @@ static gate_row row_of(const report *r, size_t i) {
   int none = gate_failed(m->flags, i);
   gate_row row = {.name = correct_report_gate_name(g, i),
                   .cell = g->cell[i],
+                  .count = (int64_t)eda_mask_count(m, i),
                   .type = g->type[i] == EDA_PMOS ? "p" : "n",
                   .print = correct_report_trouble(m->flags[i]),
                   .l = g->length[i],
@@ -296,6 +326,7 @@ static int put_gates(const opc_host *host, const report *r, const gate_row *row,
   } all[] = {
       {1, 1, {"transistor", NULL, OPC_TEXT, 0, &row->name}},
       {1, 0, {"cell", NULL, OPC_TEXT, 0, &row->cell}},
+      {r->mask->count != NULL, 1, {"count", NULL, OPC_INT, 0, &row->count}},
       {1, 1, {"type", NULL, OPC_TEXT, 0, &row->type}},
       {1, 1, {"l", "nm", OPC_REAL, 1, &row->l}},
       {1, 1, {"w", "nm", OPC_REAL, 1, &row->w}},
@@ -345,8 +376,8 @@ static int gate_table(const opc_host *host, const report *r, opc_error *error) {
   return code;
 }
 
-int correct_groups_table(const opc_host *host, const groups *drawn,
-                         const groups *printed, opc_error *error) {
+static int groups_table(const opc_host *host, const groups *drawn,
+                        const groups *printed, opc_error *error) {
   static const char *const names[3] = {"n", "p", "all"};
   struct {
     const char *name;
@@ -397,10 +428,10 @@ static int summary_table(const opc_host *host, const report *r,
                          opc_error *error) {
   const eda_mask *m = r->mask;
   const groups before =
-      groups_of(m->gates, &m->design, &m->before, r->flags_before);
-  const groups after = groups_of(m->gates, &m->design, &m->after, m->flags);
-  return correct_groups_table(host, r->corrected ? NULL : &before, &after,
-                              error);
+      groups_of(m->gates, m->count, &m->design, &m->before, r->flags_before);
+  const groups after =
+      groups_of(m->gates, m->count, &m->design, &m->after, m->flags);
+  return groups_table(host, r->corrected ? NULL : &before, &after, error);
 }
 
 static int effort_table(const opc_host *host, const eda_mask *mask,
@@ -427,15 +458,16 @@ static int report_metrics(const opc_host *host, const report *r,
                           const summary *s, opc_error *error) {
   const eda_mask *m = r->mask;
   const groups before =
-      groups_of(m->gates, &m->design, &m->before, r->flags_before);
+      groups_of(m->gates, m->count, &m->design, &m->before, r->flags_before);
   const statistics *drawn = &before.ion[2];
   statistics changes = {0};
   for (size_t i = 0; r->corrected && i < m->gates->count; i++)
-    if (!isnan(gate_change(r, i))) statistics_add(&changes, gate_change(r, i));
-  const int gates = m->gates->count > s->failed, corrects = !r->corrected;
+    if (!isnan(gate_change(r, i)))
+      statistics_add(&changes, gate_change(r, i), eda_mask_count(m, i));
+  const int gates = s->gates > s->failed, corrects = !r->corrected;
   const int edges = s->sites > s->lost;
   const opc_metric_value values[] = {
-      {corrects ? "transistors" : NULL, (double)m->gates->count},
+      {corrects ? "transistors" : NULL, (double)s->gates},
       {gates ? "ion_mean" : NULL, s->ion_mean},
       {gates ? "ion_max" : NULL, s->ion_max},
       {gates ? "ion_stdv" : NULL, s->ion_stdv},
@@ -470,7 +502,7 @@ int correct_report_mask(const opc_host *host, const report *r,
                         opc_error *error) {
   const eda_mask *m = r->mask;
   const summary s =
-      correct_summarize(m->gates, &m->design, &m->after, m->flags, r->sites);
+      summarize(m->gates, m->count, &m->design, &m->after, m->flags, r->sites);
   int code = gate_table(host, r, error);
   if (!code) code = finding_table(host, m, error);
   if (!code && m->gates->count) code = summary_table(host, r, error);

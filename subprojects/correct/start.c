@@ -25,6 +25,10 @@ int correct_start_check(const loop_start *s, const eda_gates *gates,
   if (!s->mask && !isnan(s->max_diff))
     return opc_fail(error, OPC_INVALID, "max_diff",
                     "'max_diff' requires 'start'");
+  if (s->mask && s->mask->chip)
+    return opc_fail(error, OPC_INVALID, "start",
+                    "the mask is by classes: set 'divide: whole' in the step "
+                    "that makes it");
   if (s->mask && s->mask->gates != gates)
     return opc_fail(error, OPC_INVALID, "start",
                     "the mask belongs to the gates of another step");

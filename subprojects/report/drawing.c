@@ -3,6 +3,7 @@
    raster image of its level set, within size limits. */
 #include <report/drawing.h>
 
+#include <eda/chip.h>
 #include <eda/index.h>
 #include <eda/memory.h>
 #include <eda/print.h>
@@ -29,6 +30,12 @@ static const double around = 400; /* margin around a worst transistor, nm */
    0.75 at 193 nm has no period below 129 nm, and pixels larger than a third of
    this period look coarse. 6e5 pixels take 0.05 s and 0.4 MB. */
 static const double finest_pixel = 16, coarsest_pixel = 48, pixels = 6e5;
+
+/* Largest number of classes whose surroundings are simulated, 0.05 s each; the
+   page shows ten. Largest number of transistors whose boxes are written, some 2
+   bytes each. */
+enum { MOST_SIMULATED = 40 };
+static const size_t most_boxes = 4000000;
 
 /* Growing array of numbers. */
 typedef struct numbers {
@@ -86,8 +93,9 @@ static eda_frame frame_of(const eda_gates *g, eda_box b, double more) {
                      (b.y1 - b.y0) * g->grid + 2 * more};
 }
 
-/* Return windows around the n worst transistors; failed ones come first. */
-static part worst_part(const eda_mask *m, size_t n) {
+/* Return windows around the n worst transistors; failed ones come first.
+   `worst` receives their numbers, unless it is NULL. */
+static part worst_part(const eda_mask *m, size_t n, size_t *worst) {
   const eda_gates *g = m->gates;
   ranked *all = eda_alloc(g->count, sizeof *all);
   for (size_t i = 0; i < g->count; i++) {
@@ -101,6 +109,7 @@ static part worst_part(const eda_mask *m, size_t n) {
   int32_t more = (int32_t)ceil(around / g->grid);
   for (size_t k = 0; k < n; k++) {
     eda_box b = g->box[all[k].gate];
+    if (worst) worst[k] = all[k].gate;
     p.window[k] = frame_of(g, b, around);
     boxes[k] = eda_box_grown(b, more);
   }
@@ -422,19 +431,94 @@ static int write_shapes(drawing *d, opc_error *error) {
   return code;
 }
 
+/* ---- work: a mask by classes ---- */
+
+enum { ROLES = 4 };
+static const char *const roles[ROLES] = {"drawn", "mask", "print",
+                                         "drawn print"};
+
+/* Append the shapes and contours of the window of one class; `found` is
+   [layers * ROLES]. */
+static int class_add(const drawing *all, const eda_mask *m, part one,
+                     outlines *found, opc_error *error) {
+  drawing d = {.context = all->context, .mask = m, .part = one};
+  int code = OPC_OK;
+  d.step = step_of(&one, m);
+  for (size_t k = 0; k < m->layers; k++) {
+    if (!is_shown(m->gates, k)) continue;
+    const eda_shapes *const shapes[] = {&m->gates->drawn[k], &m->shapes[k]};
+    const eda_field *const prints[] = {&m->print[k], &m->drawn_print[k]};
+    for (size_t role = 0; role < ROLES && !code; role++) {
+      outlines o = {0}, *to = &found[k * ROLES + role];
+      if (role < 2)
+        o = drawing_polygons(&d, shapes[role]);
+      else if (prints[role - 2]->coefficients)
+        code = drawing_contours(&d, prints[role - 2], &o, error);
+      numbers_append(&to->sizes, &o.sizes);
+      numbers_append(&to->places, &o.places);
+      outlines_clear(&o);
+    }
+  }
+  return code;
+}
+
+/* Write the surroundings of the worst classes, which are simulated one by
+   one. */
+static int write_classes(drawing *d, const size_t *worst, opc_error *error) {
+  const eda_mask *m = d->mask;
+  outlines *found = eda_alloc(m->layers * ROLES, sizeof *found);
+  int32_t more = (int32_t)ceil(around / m->gates->grid);
+  int code = OPC_OK;
+  for (size_t i = 0; i < d->part.count && !code; i++) {
+    eda_mask *near = NULL;
+    eda_box b = eda_box_grown(m->gates->box[worst[i]], more);
+    part one = {&d->part.window[i], 1, eda_index_new(&b, 1, 0)};
+    code = m->access->simulate(m, &worst[i], 1, around, &near, error);
+    if (!code) code = class_add(d, near, one, found, error);
+    eda_index_free(one.index);
+    eda_mask_free(near);
+  }
+  g_string_append(d->out, ",\n \"shapes\": [");
+  for (size_t i = 0; i < m->layers * ROLES; i++) {
+    size_t role = i % ROLES;
+    if (!code && found[i].sizes.count)
+      write_outlines(d, i / ROLES, roles[role],
+                     role < 2 ? m->gates->grid : unit, &found[i]);
+    outlines_clear(&found[i]);
+  }
+  g_string_append(d->out, "]");
+  free(found);
+  return code;
+}
+
+static void write_boxes(const drawing *d, const void *boxes, size_t n,
+                        size_t size) {
+  numbers all = {0};
+  for (size_t i = 0; i < n; i++) {
+    const eda_box *b = (const void *)((const char *)boxes + i * size);
+    numbers_add(&all, b->x0);
+    numbers_add(&all, b->y0);
+    numbers_add(&all, b->x1);
+    numbers_add(&all, b->y1);
+  }
+  g_string_append_printf(d->out, ",\n \"transistors\": %zu,\n \"boxes\": ", n);
+  json_packed(d->out, all.number, all.count, 4);
+  free(all.number);
+}
+
 static void write_gates(const drawing *d) {
   const eda_gates *g = d->mask->gates;
-  numbers boxes = {0};
-  g_string_append_printf(d->out,
-                         ",\n \"transistors\": %zu,\n \"boxes\": ", g->count);
-  for (size_t i = 0; i < g->count; i++) {
-    numbers_add(&boxes, g->box[i].x0);
-    numbers_add(&boxes, g->box[i].y0);
-    numbers_add(&boxes, g->box[i].x1);
-    numbers_add(&boxes, g->box[i].y1);
+  const eda_chip *c = d->mask->chip;
+  if (!c || c->count > most_boxes) {
+    write_boxes(d, g->box, g->count, sizeof *g->box);
+    return;
   }
-  json_packed(d->out, boxes.number, boxes.count, 4);
-  free(boxes.number);
+  write_boxes(d, &c->gate->box, c->count, sizeof *c->gate);
+  int32_t *of = eda_alloc(c->count, sizeof *of);
+  for (size_t i = 0; i < c->count; i++) of[i] = (int32_t)c->gate[i].print;
+  g_string_append(d->out, ",\n \"classes\": ");
+  json_packed(d->out, of, c->count, 1);
+  free(of);
 }
 
 static void write_head(const drawing *d) {
@@ -463,14 +547,20 @@ static int drawing_write(const opc_context *context, const eda_mask *mask,
   if (g->extent.x0 >= g->extent.x1 || g->extent.y0 >= g->extent.y1)
     return opc_fail(error, OPC_INVALID, "mask",
                     "the layout is empty and cannot be drawn");
-  d.part = g->count <= (size_t)limits->whole
-               ? drawing_tiles(g)
-               : worst_part(mask, MIN(g->count, (size_t)limits->worst));
+  size_t most = MIN(g->count, (size_t)limits->worst);
+  size_t *worst = eda_alloc(most, sizeof *worst);
+  if (mask->chip)
+    d.part = worst_part(mask, MIN(most, MOST_SIMULATED), worst);
+  else
+    d.part = g->count <= (size_t)limits->whole ? drawing_tiles(g)
+                                               : worst_part(mask, most, NULL);
   d.step = step_of(&d.part, mask);
   write_head(&d);
   write_gates(&d);
-  int code = write_shapes(&d, error);
-  if (!code) write_image(&d);
+  int code =
+      mask->chip ? write_classes(&d, worst, error) : write_shapes(&d, error);
+  if (!code && !mask->chip) write_image(&d);
+  free(worst);
   g_string_append(out, "}\n");
   eda_index_free(d.part.index);
   free(d.part.window);

@@ -3,11 +3,13 @@
    rectangles, shots of a variable shaped beam writer, vertices and file
    sizes. */
 #include <eda/check.h>
+#include <eda/layout.h>
 #include <eda/memory.h>
 #include <math.h>
 #include <opcflow/step.h>
 #include <opcflow/table.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "bytes.h"
 #include "mebes.h"
@@ -244,11 +246,105 @@ static int count_all(const counter *c, row *rows, opc_error *error) {
   return code ? code : publish_metrics(c->host, rows, n, error);
 }
 
+/* ---- work: a mask by classes ---- */
+
+/* Add the polygons of a layer of a cell, as merged shapes. */
+static int cell_shapes(const eda_layout *from, int32_t cell, int32_t layer,
+                       eda_shapes *out, opc_error *error) {
+  size_t all = eda_layout_polygons(from, cell), points = 0, count = 0, n;
+  int32_t its;
+  for (size_t i = 0; i < all; i++) {
+    (void)eda_layout_polygon(from, cell, i, &n, &its);
+    count += its == layer;
+    points += its == layer ? n : 0;
+  }
+  eda_shapes s = {.count = count,
+                  .start = eda_alloc(count + 1, sizeof *s.start),
+                  .points = eda_alloc(points, sizeof *s.points)};
+  for (size_t i = 0, k = 0; i < all; i++) {
+    const eda_point *p = eda_layout_polygon(from, cell, i, &n, &its);
+    if (its != layer) continue;
+    memcpy(s.points + s.start[k], p, n * sizeof *p);
+    s.start[k + 1] = s.start[k] + (uint32_t)n;
+    k++;
+  }
+  int code = eda_boolean(EDA_OR, &s, NULL, out, error);
+  eda_shapes_clear(&s);
+  return code;
+}
+
+/* Count how often the top cell places each cell. */
+static int64_t *count_copies(const eda_layout *from, int32_t top) {
+  int64_t *copies = eda_alloc(eda_layout_cells(from), sizeof *copies);
+  copies[top] = 1;
+  for (size_t i = 0; i < eda_layout_instances(from, top); i++) {
+    eda_placement p;
+    int32_t child;
+    eda_layout_instance(from, top, i, &child, &p);
+    copies[child] += (int64_t)p.columns * p.rows;
+  }
+  return copies;
+}
+
+/* Add the cost of all cells of a layer; GDSII and OASIS bytes count
+   once for each cell, MEBES bytes, which have no cells, for each copy. */
+static int count_cells(const counter *c, const ruler *r, const eda_layout *from,
+                       size_t layer, cost *out, opc_error *error) {
+  const eda_gates *g = c->mask->gates;
+  int32_t top = eda_layout_top(from, error);
+  int32_t number = eda_layout_find_layer(from, g->layer[layer]);
+  if (top < 0) return error->code;
+  int64_t *copies = count_copies(from, top);
+  int code = OPC_OK;
+  for (size_t i = 0; i < eda_layout_cells(from) && !code; i++) {
+    eda_shapes shapes = {0};
+    cost one = {{0}, 0};
+    code = cell_shapes(from, (int32_t)i, number, &shapes, error);
+    if (!code && shapes.count)
+      code =
+          count_layer(c, r, &shapes, eda_gates_number(g, layer), &one, error);
+    for (int k = 0; k < FIGURES; k++)
+      out->figure[k] +=
+          one.figure[k] * (k <= VERTICES || k == MEBES ? copies[i] : 1);
+    out->area += one.area * (double)copies[i];
+    eda_shapes_clear(&shapes);
+  }
+  free(copies);
+  return code;
+}
+
+/* Compute the cost of the cells of a mask by classes. */
+static int count_classes(const counter *c, row *rows, opc_error *error) {
+  const eda_gates *g = c->mask->gates;
+  ruler r;
+  int code = make_ruler(c, g, &r, error);
+  if (!code && r.array.columns * r.array.rows > 1)
+    code = opc_fail(error, OPC_INVALID, "array",
+                    "a mask by classes has no array, expected [1, 1]");
+  size_t n = 0;
+  for (int drawn = 1; drawn >= 0 && !code; drawn--) {
+    eda_layout *cells = NULL;
+    code = c->mask->access->layout(c->mask, drawn, &cells, error);
+    n = 0;
+    for (size_t k = 0; k < g->layers && !code; k++) {
+      if (!g->corrected[k]) continue;
+      rows[n].layer = g->layer[k];
+      cost *to = drawn ? &rows[n].drawn : &rows[n].now;
+      code = count_cells(c, &r, cells, k, to, error);
+      n++;
+    }
+    eda_layout_free(cells);
+  }
+  if (!code) code = publish_tables(c->host, rows, n, error);
+  return code ? code : publish_metrics(c->host, rows, n, error);
+}
+
 static int fracture_run(void *self, void **outputs, opc_error *error) {
   const counter *c = self;
   row *rows = eda_alloc(c->mask->gates->layers, sizeof *rows);
   (void)outputs;
-  int code = count_all(c, rows, error);
+  int code =
+      c->mask->chip ? count_classes(c, rows, error) : count_all(c, rows, error);
   free(rows);
   return code;
 }

@@ -23,6 +23,7 @@ static int choose_mask(image_run *r, opc_error *error) {
   const eda_mask *mask = r->asked.mask;
   if (!mask == !r->asked.gates)
     return opc_fail(error, OPC_INVALID, "mask", "set either 'mask' or 'gates'");
+  if (mask && eda_mask_need_flat(mask, "draw.image", error)) return error->code;
   r->gates = mask ? mask->gates : r->asked.gates;
   int layer = eda_gates_layer(r->gates, r->asked.layer);
   const eda_shapes *all = mask ? mask->shapes : r->gates->drawn;

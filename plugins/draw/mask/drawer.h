@@ -5,8 +5,9 @@
 #include "../view.h"
 
 /* State to show: the drawn mask and its printed image, the corrected mask and
-   its printed image, or the improvement by the correction. */
-enum { BEFORE, AFTER, DIFFERENCE };
+   its printed image, the improvement by the correction, or the number of
+   transistors with the same mask. */
+enum { BEFORE, AFTER, DIFFERENCE, CLASSES };
 
 typedef struct drawer {
   const opc_host *host;
@@ -56,3 +57,8 @@ int drawer_put_insets(const drawer *d, opc_error *error);
 
 /* Draw the layout in the window of d->view. */
 int drawer_paint(const drawer *d, opc_error *error);
+
+/* ---- map.c ---- */
+
+/* Draw the map of a mask by classes and write the file. */
+int drawer_map(const drawer *d, opc_error *error);

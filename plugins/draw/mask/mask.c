@@ -248,10 +248,12 @@ static double mask_legend(const void *self, double top) {
   return gap + l.height;
 }
 
-static int mask_run(void *self, void **outputs, opc_error *error) {
+static int flat_run(drawer *d, opc_error *error) {
   static const view_parts parts = {mask_title, mask_legend, mask_content};
-  drawer *d = self;
-  (void)outputs;
+  if (d->state == CLASSES)
+    return opc_fail(error, OPC_INVALID, "state",
+                    "'classes' needs a mask by classes: set 'divide: "
+                    "environments' in the step that corrects");
   int code = view_init(&d->view, d->host, d->mask->gates, "mask", error);
   if (code) return code;
   drawer_set_range(d);
@@ -262,6 +264,33 @@ static int mask_run(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
+/* Draw a window of a mask by classes. */
+static int window_run(drawer *d, opc_error *error) {
+  const eda_mask *all = d->mask;
+  eda_mask *part;
+  const double *w = d->view.asked.window.values;
+  double grid = all->gates->grid;
+  const eda_box core = {(int32_t)floor(w[0] / grid),
+                        (int32_t)floor(w[1] / grid), (int32_t)ceil(w[2] / grid),
+                        (int32_t)ceil(w[3] / grid)};
+  int code = all->access->window(all, core, &part, error);
+  if (code) return code;
+  d->mask = part;
+  code = flat_run(d, error);
+  d->mask = all;
+  eda_mask_free(part);
+  return code;
+}
+
+static int mask_run(void *self, void **outputs, opc_error *error) {
+  drawer *d = self;
+  (void)outputs;
+  if (!d->mask->chip) return flat_run(d, error);
+  return d->view.asked.window.count && d->state != CLASSES
+             ? window_run(d, error)
+             : drawer_map(d, error);
+}
+
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
@@ -270,9 +299,11 @@ static const opc_parameter parameters[] = {
     VIEW_PARAMETERS(drawer, "mask.png"),
     OPC_PARAMETER(
         drawer, state, .type = OPC_CHOICE, .preset = "after",
-        .choices = "before|after|difference",
+        .choices = "before|after|difference|classes",
         .summary =
-            "Show the drawn mask, the corrected mask, or the difference"),
+            "Show the drawn mask, the corrected mask, the difference, or, for "
+            "a "
+            "mask by classes, the number of transistors with the same mask"),
     OPC_PARAMETER(drawer, scale, .type = OPC_TEXT, .preset = "auto",
                   .summary =
                       "Deviation at the ends of the colour scale, such as 2 %; "

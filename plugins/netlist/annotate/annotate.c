@@ -45,6 +45,8 @@ static int check_mask(const eda_annotation *a, opc_error *error) {
   if (!a->mask)
     return opc_fail(error, OPC_INVALID, "mask",
                     "a mask is needed for state '%s'", states[a->state]);
+  if (eda_mask_need_flat(a->mask, "netlist.annotate", error))
+    return error->code;
   if (a->mask->gates != a->circuit->gates)
     return opc_fail(error, OPC_INVALID, "mask",
                     "the mask and the circuit belong to different gates");

@@ -11,6 +11,7 @@
 typedef struct matcher {
   const opc_host *host;
   const eda_gates *gates;
+  const eda_mask *mask;
   const eda_layout *layout;
   const char *file, *top;
   opc_map layers, labels;
@@ -142,20 +143,33 @@ static int match_netlist(match_task *j, const matcher *m, eda_circuit **out) {
   return match_publish(j, *out);
 }
 
+static int match_check(const matcher *m, opc_error *error) {
+  if (!m->mask == !m->gates)
+    return opc_fail(error, OPC_INVALID, "gates",
+                    "set either 'gates' or 'mask'");
+  return m->mask ? eda_mask_need_flat(m->mask, "netlist.match", error) : OPC_OK;
+}
+
+static int match_forecast(void *self, opc_forecast *out, opc_error *error) {
+  (void)out;
+  return match_check(self, error);
+}
+
 static int match_run(void *self, void **outputs, opc_error *error) {
   const matcher *m = self;
   eda_circuit *circuit = NULL;
   match_task j = {.host = m->host,
                   .error = error,
                   .layout = m->layout,
-                  .gates = m->gates,
+                  .gates = m->mask ? m->mask->gates : m->gates,
                   .ignore_hierarchy = m->flat,
                   .tolerance = m->tolerance / 100,
                   .netlist = {.error = error,
                               .scale = m->scale,
                               .n_models = m->n_models,
                               .p_models = m->p_models}};
-  int code = match_netlist(&j, m, &circuit);
+  int code = match_check(m, error);
+  if (!code) code = match_netlist(&j, m, &circuit);
   outputs[0] = circuit;
   eda_netlist_clear(&j.netlist);
   eda_pool_clear(&j.pool);
@@ -169,8 +183,10 @@ static int match_run(void *self, void **outputs, opc_error *error) {
   "metal5|via5|metal6|via6|metal7|via7|metal8|via8|metal9|via9|metal10"
 
 static const opc_parameter parameters[] = {
-    OPC_PARAMETER(matcher, gates, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "gates", .summary = "gates of the layout"),
+    OPC_PARAMETER(matcher, gates, .type = OPC_INPUT, .choices = "gates",
+                  .summary = "gates of the layout"),
+    OPC_PARAMETER(matcher, mask, .type = OPC_INPUT, .choices = "mask",
+                  .summary = "mask of the gates, instead of `gates`"),
     OPC_PARAMETER(matcher, layout, .type = OPC_INPUT, .flags = OPC_REQUIRED,
                   .choices = "layout", .summary = "layout with these gates"),
     OPC_PARAMETER(matcher, file, .type = OPC_FILE, .flags = OPC_REQUIRED,
@@ -219,6 +235,7 @@ static const opc_metric metrics[] = {
 static const opc_port outputs_of[] = {EDA_PORT_CIRCUIT("circuit")};
 /* The step is not reused, because the netlist may include other files. */
 static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = match_run,
+                                   .forecast = match_forecast,
                                    .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(matcher, .id = "netlist.match", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",

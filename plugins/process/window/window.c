@@ -43,6 +43,8 @@ static int window_run(void *self, void **outputs, opc_error *error) {
   (void)outputs;
   if (!w->mask == !w->as_drawn)
     return opc_fail(error, OPC_INVALID, "mask", "set either 'mask' or 'gates'");
+  if (w->mask && eda_mask_need_flat(w->mask, "process.window", error))
+    return error->code;
   w->gates = w->mask ? w->mask->gates : w->as_drawn;
   if (!w->gates->count)
     return opc_fail(error, OPC_INVALID, w->mask ? "mask" : "gates",
@@ -62,8 +64,9 @@ static int window_forecast(void *self, opc_forecast *out, opc_error *error) {
   const window *w = self;
   const eda_gates *gates = w->mask ? w->mask->gates : w->as_drawn;
   eda_printer printer;
-  (void)error;
   if (!gates) return OPC_OK; /* `run` reports the missing input */
+  if (w->mask && eda_mask_need_flat(w->mask, "process.window", error))
+    return error->code;
   eda_printer_init(&printer, w->host->context, gates, w->litho, w->resist,
                    w->margin);
   size_t layers = w->extractor ? 2 : 1;

@@ -58,7 +58,7 @@ static void name_sheet(const eda_gates *g, sheet *s) {
 
 /* Add a layer of the file. Drawn shapes and masks have the numbers of
    write.oasis; the numbers of printed contours follow in equal steps. */
-static void add_sheet(klayout *k, int group, size_t layer, int holes) {
+void klayout_add_sheet(klayout *k, int group, size_t layer, int holes) {
   static const uint32_t step[GROUPS] = {1, 0, 2, 3};
   const eda_gates *g = k->mask->gates;
   sheet *s = &k->sheets[k->n_sheets++];
@@ -79,21 +79,12 @@ static void list_sheets(klayout *k) {
       for (size_t i = m->gates->layers; i-- > 0;) {
         if (only_drawn == m->gates->corrected[i] || !has_sheet(m, group, i))
           continue;
-        add_sheet(k, group, i, 0);
-        if (group >= BEFORE) add_sheet(k, group, i, 1);
+        klayout_add_sheet(k, group, i, 0);
+        if (group >= BEFORE) klayout_add_sheet(k, group, i, 1);
       }
 }
 
 /* ---- work: shapes ---- */
-
-typedef struct target {
-  eda_layout *layout;
-  int32_t cell, layer;
-  int32_t times; /* units of the file per step of the mask's grid */
-  double unit;   /* nm */
-  eda_point *points;
-  size_t capacity;
-} target;
 
 static int put_polygon(void *data, const eda_point *points, size_t n,
                        opc_error *error) {
@@ -110,15 +101,6 @@ static int put_shapes(target *t, const eda_shapes *shapes, opc_error *error) {
   return eda_polygons_without_holes(shapes, &take, error);
 }
 
-typedef struct contours {
-  const opc_context *context;
-  const eda_field *print;
-  double *points;
-  uint32_t *start;
-  size_t count;
-  opc_error error;
-} contours;
-
 static void find_contours(void *data, size_t i) {
   contours *c = (contours *)data + i;
   if (!c->print) return;
@@ -131,8 +113,8 @@ static void find_contours(void *data, size_t i) {
 }
 
 /* Write contours: outlines are counter-clockwise, holes clockwise. */
-static int put_contours(target *t, const contours *c, int holes,
-                        opc_error *error) {
+int klayout_put_contours(target *t, const contours *c, int holes,
+                         opc_error *error) {
   for (size_t i = 0; i < c->count; i++) {
     const double *p = c->points + 2 * (size_t)c->start[i];
     size_t n = c->start[i + 1] - c->start[i], used = 0;
@@ -182,7 +164,7 @@ static int put_sheet(klayout *k, size_t i, const contours *found, target *t,
   int code = s->group == DRAWN
                  ? put_shapes(t, &m->gates->drawn[s->layer], error)
              : s->group == MASK ? put_shapes(t, &m->shapes[s->layer], error)
-                                : put_contours(t, c, s->holes, error);
+                                : klayout_put_contours(t, c, s->holes, error);
   s->empty = eda_layout_polygons(t->layout, t->cell) == before;
   return code;
 }
@@ -235,7 +217,8 @@ int klayout_put_text(const klayout *k, const char *name, const GString *text,
 
 static int put_shapes_file(klayout *k, opc_error *error) {
   const char **names = eda_alloc(k->n_sheets, sizeof *names);
-  eda_layout *layout = sheet_build(k, error);
+  eda_layout *layout =
+      k->mask->chip ? klayout_build_classes(k, error) : sheet_build(k, error);
   for (size_t i = 0; i < k->n_sheets; i++)
     names[i] = k->sheets[i].empty ? NULL : k->sheets[i].name;
   k->file.w.layout = layout;
@@ -251,7 +234,10 @@ static int put_shapes_file(klayout *k, opc_error *error) {
 static int klayout_run(void *self, void **outputs, opc_error *error) {
   klayout *k = self;
   (void)outputs;
-  list_sheets(k);
+  if (k->mask->chip)
+    klayout_list_classes(k);
+  else
+    list_sheets(k);
   int code = put_shapes_file(k, error);
   if (!code) code = klayout_put_style(k, error);
   if (!code) code = klayout_put_markers(k, error);

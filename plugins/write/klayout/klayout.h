@@ -26,6 +26,39 @@ typedef struct klayout {
   size_t n_sheets;
 } klayout;
 
+/* Layer of a layout that receives shapes. */
+typedef struct target {
+  eda_layout *layout;
+  int32_t cell, layer;
+  int32_t times; /* units of the file per step of the mask's grid */
+  double unit;   /* nm */
+  eda_point *points;
+  size_t capacity;
+} target;
+
+/* Contours of a level set; NULL: none. */
+typedef struct contours {
+  const opc_context *context;
+  const eda_field *print;
+  double *points;
+  uint32_t *start;
+  size_t count;
+  opc_error error;
+} contours;
+
+/* Add a layer of the file: content, layer of the gates, and 1 for holes. */
+void klayout_add_sheet(klayout *k, int group, size_t layer, int holes);
+
+/* Append the outlines or holes of contours to a layer. Return the code. */
+int klayout_put_contours(target *t, const contours *c, int holes,
+                         opc_error *error);
+
+/* List the layers of a mask by classes, and build the layout: drawn shapes and
+   mask as cells and arrays, and the simulated surroundings of the worst
+   classes. Returns NULL on failure. (classes.c) */
+void klayout_list_classes(klayout *k);
+eda_layout *klayout_build_classes(klayout *k, opc_error *error);
+
 /* Write the .lyp file with names, colours and groups of the layers. Return
    OPC_OK or an error. */
 int klayout_put_style(const klayout *k, opc_error *error);

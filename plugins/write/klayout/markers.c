@@ -107,6 +107,8 @@ static double gate_deviation(const eda_performance *p,
 }
 
 static void put_figures(GString *out, const eda_mask *m, size_t i) {
+  if (m->count)
+    put_value(out, "class of %.0f transistors", eda_mask_count(m, i));
   for (int k = 0; k < FIGURES; k++)
     put_value(out, "%s %+.3f %% (as drawn %+.3f %%)", figures[k].name,
               gate_deviation(&m->after, &m->design, k, i),

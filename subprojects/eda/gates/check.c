@@ -2,6 +2,8 @@
 /* Checks of data returned by plugins before use. An error names the fault;
    eda_blame adds the plugin. */
 #include <eda/check.h>
+
+#include <eda/chip.h>
 #include <eda/goals.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -457,6 +459,15 @@ int eda_gates_check(const void *gates, opc_error *error) {
   return code ? code : check_layers(g, error);
 }
 
+static int check_classes(const eda_mask *m, opc_error *error) {
+  if (m->chip->prints != m->gates->count || m->chip->layers != m->layers)
+    return unsound(error, "the mask has %zu classes, but its gates have %zu",
+                   m->chip->prints, m->gates->count);
+  if (!m->count || !m->access || !m->access->window)
+    return unsound(error, "the mask by classes has no access to its shapes");
+  return eda_chip_check(m->chip, error);
+}
+
 int eda_mask_check(const void *mask, opc_error *error) {
   const eda_mask *m = mask;
   if (!m->gates) return unsound(error, "the mask has no gates");
@@ -472,7 +483,7 @@ int eda_mask_check(const void *mask, opc_error *error) {
                    m->moved->layers != m->gates->layers))
     return unsound(error,
                    "the edge displacements of the mask belong to other gates");
-  int code = OPC_OK;
+  int code = m->chip ? check_classes(m, error) : OPC_OK;
   for (size_t k = 0; k < m->gates->layers && !code; k++) {
     const eda_field *print = &m->print[k];
     code = check_shapes(&m->shapes[k], "mask shapes", error);

@@ -2,17 +2,16 @@
 /* Transistors of a chip; assignment of their edge displacements to the
    transistors of a window. */
 #include <eda/chip.h>
+#include <eda/memory.h>
 #include <stdlib.h>
 
-void eda_chip_free(void *object) {
-  eda_chip *c = object;
+void eda_chip_free(eda_chip *c) {
   if (!c) return;
   for (size_t k = 0; k < c->layers; k++) free(c->layer[k]);
   free(c->layer);
   free(c->corrected);
   free(c->gate);
   free(c->mask);
-  free(c->print);
   free(c->part);
   free(c->box);
   free(c);
@@ -34,7 +33,7 @@ static int check_gates(const eda_chip *c, opc_error *error) {
     if (i && !box_before(g[-1].box, g->box))
       return unsound(error, "transistor %zu is out of order", i + 1);
     if (g->mask >= c->masks || g->print >= c->prints)
-      return unsound(error, "transistor %zu has no mask or no print", i + 1);
+      return unsound(error, "transistor %zu has no mask or no class", i + 1);
     if (g->type > EDA_PMOS || g->axis > EDA_Y ||
         g->flip > (EDA_FLIP_L | EDA_FLIP_W))
       return unsound(error, "transistor %zu has no valid type, axis or flip",
@@ -57,13 +56,12 @@ static int check_masks(const eda_chip *c, opc_error *error) {
   return OPC_OK;
 }
 
-int eda_chip_check(const void *object, opc_error *error) {
-  const eda_chip *c = object;
+int eda_chip_check(const eda_chip *c, opc_error *error) {
   if (!c) return unsound(error, "the chip is missing");
   if (!c->layout || c->top < 0 || !(c->grid > 0))
     return unsound(error, "the layout or the grid is missing");
   if (c->layers <= EDA_ACTIVE || !c->layer || !c->corrected || !c->gate ||
-      !c->mask || !c->print)
+      !c->mask)
     return unsound(error, "an array is missing");
   int code = check_gates(c, error);
   return code ? code : check_masks(c, error);
@@ -161,4 +159,44 @@ eda_moved *eda_chip_moved(const eda_chip *c, const eda_gates *window) {
     if (k != SIZE_MAX) eda_chip_move(c, k, window->box[i], to, i);
   }
   return to;
+}
+
+/* ---- a mask ---- */
+
+static void class_begin(eda_mask *m, eda_gates *g, size_t i) {
+  const eda_chip *c = m->chip;
+  const eda_chip_gate *from = &c->gate[i];
+  size_t k = from->print;
+  if (m->count[k]++) return;
+  eda_box b = g->box[k] = from->box;
+  double wide = (b.x1 - b.x0) * c->grid, high = (b.y1 - b.y0) * c->grid;
+  g->type[k] = from->type;
+  g->axis[k] = from->axis;
+  g->length[k] = from->axis == EDA_X ? wide : high;
+  g->width[k] = from->axis == EDA_X ? high : wide;
+  g->instance[k] = eda_gates_text(g, "");
+  g->cell[k] = g->name;
+  g->number[k] = (uint32_t)(i + 1);
+}
+
+eda_mask *eda_chip_mask_new(eda_chip *c) {
+  size_t n = c->prints;
+  eda_gates *g = eda_gates_new(c->layers, n);
+  g->name = eda_gates_text(g, eda_layout_cell_name(c->layout, c->top));
+  g->grid = c->grid;
+  g->extent = c->extent;
+  for (size_t k = 0; k < c->layers; k++) {
+    g->layer[k] = eda_gates_text(g, c->layer[k]);
+    g->corrected[k] = c->corrected[k];
+  }
+  eda_mask *m = eda_mask_new(g);
+  m->own = g;
+  m->chip = c;
+  m->count = eda_alloc(n, sizeof *m->count);
+  for (size_t i = 0; i < c->count; i++) class_begin(m, g, i);
+  eda_performance_init(&m->design, n);
+  eda_performance_init(&m->before, n);
+  eda_performance_init(&m->after, n);
+  m->flags = eda_alloc(n, sizeof *m->flags);
+  return m;
 }

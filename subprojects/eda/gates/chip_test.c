@@ -60,7 +60,6 @@ typedef struct whole {
   eda_chip chip;
   eda_chip_gate gate[GATES];
   eda_chip_mask mask[2];
-  eda_chip_print print[1];
   eda_part part[2];
   eda_chip_box box[2];
   char *layer[2];
@@ -93,7 +92,6 @@ static void whole_make(whole *t) {
                        .parts = 2,
                        .boxes = 2,
                        .mask = t->mask,
-                       .print = t->print,
                        .part = t->part,
                        .box = t->box};
 }
@@ -182,7 +180,6 @@ static void test_check(void) {
   t.chip.corrected = NULL, assert_refused(&t, "missing");
   t.chip.gate = NULL, assert_refused(&t, "missing");
   t.chip.mask = NULL, assert_refused(&t, "missing");
-  t.chip.print = NULL, assert_refused(&t, "missing");
   t.gate[3].box.x1 = t.gate[3].box.x0,
   assert_refused(&t, "transistor 4 has no size");
   t.gate[3].box.y1 = t.gate[3].box.y0,
@@ -190,7 +187,7 @@ static void test_check(void) {
   t.gate[4].box = t.gate[3].box, assert_refused(&t, "5 is out of order");
   t.gate[2].box.y0 -= 1, assert_refused(&t, "3 is out of order");
   t.gate[5].mask = 2, assert_refused(&t, "6 has no mask");
-  t.gate[5].print = 1, assert_refused(&t, "6 has no mask or no print");
+  t.gate[5].print = 1, assert_refused(&t, "6 has no mask or no class");
   t.gate[6].type = EDA_PMOS + 1, assert_refused(&t, "7 has no valid type");
   t.gate[6].axis = EDA_Y + 1,
   assert_refused(&t, "7 has no valid type, axis or flip");

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Allocation and release of gates, masks and their performance arrays. */
-#include <eda/gates.h>
+#include <eda/chip.h>
 #include <eda/memory.h>
 #include <glib.h>
 #include <stdlib.h>
@@ -208,5 +208,17 @@ void eda_mask_free(void *mask) {
   eda_performance_clear(&m->after);
   free(m->flags);
   eda_moved_free(m->moved);
+  eda_chip_free(m->chip);
+  free(m->count);
+  eda_gates_free(m->own);
   free(m);
+}
+
+int eda_mask_need_flat(const eda_mask *m, const char *consumer,
+                       opc_error *error) {
+  if (!m->chip) return OPC_OK;
+  return opc_fail(error, OPC_INVALID, "mask",
+                  "%s needs a flat mask, but this mask is by classes: set "
+                  "'divide: whole' in the step that corrects",
+                  consumer);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Masks as files. The same functions read and write, so that reading and
    writing handle the same members in the same order. */
-#include <eda/gates.h>
+#include <eda/chip.h>
 #include <eda/memory.h>
 #include <glib.h>
 #include <stdlib.h>
@@ -10,7 +10,7 @@
 /* Fails after a member is appended to eda_mask: add the member to move_mask,
    then change this assertion. */
 G_STATIC_ASSERT(sizeof(eda_mask) ==
-                G_STRUCT_OFFSET(eda_mask, moved) + sizeof(eda_moved *));
+                G_STRUCT_OFFSET(eda_mask, data) + sizeof(void *));
 
 typedef struct stream {
   FILE *file;
@@ -148,6 +148,30 @@ static void move_moved(stream *s, eda_mask *m) {
   move_fields(s, m->moved);
 }
 
+/* Read or write the arrays of a chip. */
+static void move_chip(stream *s, eda_chip *c) {
+  size_t layers = c->layers;
+  move_count(s, &layers);
+  move_count(s, &c->count);
+  move_count(s, &c->masks);
+  move_count(s, &c->prints);
+  move_count(s, &c->parts);
+  move_count(s, &c->boxes);
+  if (layers != c->layers) s->failed = 1;
+  move_array(s, &c->gate, c->count, sizeof *c->gate);
+  move_array(s, &c->mask, c->masks, sizeof *c->mask);
+  move_array(s, &c->part, c->parts, sizeof *c->part);
+  move_array(s, &c->box, c->boxes, sizeof *c->box);
+}
+
+/* Read or write the sizes of the gates of classes, which are not rounded. */
+static void move_sizes(stream *s, eda_gates *g) {
+  stream_move(s, g->length, g->count * sizeof *g->length);
+  stream_move(s, g->width, g->count * sizeof *g->width);
+  stream_move(s, g->space, 2 * g->count * sizeof *g->space);
+  stream_move(s, g->extension, 2 * g->count * sizeof *g->extension);
+}
+
 static void move_mask(stream *s, eda_mask *m) {
   size_t layers = m->layers, count = m->gates->count;
   move_count(s, &layers);
@@ -186,21 +210,65 @@ static int close_stream(stream *s, const char *path, opc_error *error) {
 }
 
 int eda_mask_save(const eda_mask *mask, const char *folder, opc_error *error) {
-  g_autofree char *path = g_build_filename(folder, "mask", NULL);
+  g_autofree char *path =
+      g_build_filename(folder, mask->chip ? "classes" : "mask", NULL);
   stream s = {.file = fopen(path, "wbe"), .writing = 1};
+  if (s.file && mask->chip) {
+    move_chip(&s, mask->chip);
+    move_sizes(&s, mask->own);
+  }
   if (s.file) move_mask(&s, (eda_mask *)mask);
   return close_stream(&s, path, error);
 }
 
+/* Open the file of a mask for reading. The caller frees *path with g_free(). */
+static stream open_kept(const char *folder, const char *name, char **path) {
+  *path = g_build_filename(folder, name, NULL);
+  stream s = {.file = fopen(*path, "rbe")};
+  if (!s.file) return s;
+  s.failed = fseek(s.file, 0, SEEK_END) != 0;
+  s.left = s.failed ? 0 : (uint64_t)ftell(s.file);
+  rewind(s.file);
+  return s;
+}
+
 int eda_mask_restore(const eda_gates *gates, const char *folder, void **mask,
                      opc_error *error) {
-  g_autofree char *path = g_build_filename(folder, "mask", NULL);
-  stream s = {.file = fopen(path, "rbe")};
+  g_autofree char *path = NULL;
+  stream s = open_kept(folder, "mask", &path);
   eda_mask *m = eda_mask_new(gates);
   *mask = m;
-  if (s.file && !fseek(s.file, 0, SEEK_END)) {
-    s.left = (uint64_t)ftell(s.file);
-    rewind(s.file);
+  if (s.file) move_mask(&s, m);
+  return close_stream(&s, path, error);
+}
+
+/* Return 1 if the chip has valid indices and no class without transistors. */
+static int chip_is_sound(const eda_chip *c) {
+  opc_error ignored;
+  if (eda_chip_check(c, &ignored)) return 0;
+  g_autofree guint8 *used = g_new0(guint8, c->prints + 1);
+  for (size_t i = 0; i < c->count; i++) used[c->gate[i].print] = 1;
+  return !memchr(used, 0, c->prints) || !c->prints;
+}
+
+int eda_chip_mask_restore(eda_chip *c, const char *folder, void **mask,
+                          opc_error *error) {
+  g_autofree char *path = NULL;
+  stream s = open_kept(folder, "classes", &path);
+  if (s.file) move_chip(&s, c);
+  if (!s.file || s.failed || !chip_is_sound(c)) {
+    s.failed = 1;
+    eda_chip_free(c);
+    return close_stream(&s, path, error);
+  }
+  eda_mask *m = *mask = eda_chip_mask_new(c);
+  move_sizes(&s, m->own);
+  if (!s.failed) {
+    eda_performance_clear(&m->design);
+    eda_performance_clear(&m->before);
+    eda_performance_clear(&m->after);
+    free(m->flags);
+    m->flags = NULL;
     move_mask(&s, m);
   }
   return close_stream(&s, path, error);

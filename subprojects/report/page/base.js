@@ -55,10 +55,14 @@ function ticks(low, high, wanted) {
 /* ---- statistics ---- */
 
 const finite = values => values.filter(is);
-const mean = values => values.reduce((a, b) => a + b, 0) / values.length; /* NaN of none */
+/* Values with the number `n` of each; mapped keeps the numbers. */
+const weighted = () => Object.assign([], {n: []});
+const mapped = (values, f) => Object.assign(values.map(f), {n: values.n});
+const total = values => (values.n ? values.n.reduce((a, b) => a + b, 0) : values.length);
+const mean = values => values.reduce((a, v, i) => a + v * (values.n ? values.n[i] : 1), 0) / total(values); /* NaN of none */
 const stdv = values => {
   const m = mean(values);
-  return Math.sqrt(mean(values.map(v => (v - m) ** 2)));
+  return Math.sqrt(mean(mapped(values, v => (v - m) ** 2)));
 };
 const largest = values => values.reduce((a, b) => Math.max(a, b), 0);
 function quantile(values, q) {

@@ -66,8 +66,9 @@ function legend(names) {
 const BINS = 41;
 function counts(values, range) {
   const out = new Array(BINS).fill(0);
-  for (const v of values)
-    out[Math.max(0, Math.min(BINS - 1, Math.floor((v / range + 1) / 2 * BINS)))]++;
+  values.forEach((v, i) => {
+    out[Math.max(0, Math.min(BINS - 1, Math.floor((v / range + 1) / 2 * BINS)))] += values.n ? values.n[i] : 1;
+  });
   return out;
 }
 
@@ -77,8 +78,8 @@ function counts(values, range) {
 function histogram(title, unit, k, values, before, range) {
   const in_range = before.filter(v => Math.abs(v) <= range).length;
   const bars = counts(values, range), line = 2 * in_range > before.length ? counts(before, range) : null;
-  const high = Math.max(1, ...bars), beyond = values.filter(v => Math.abs(v) > range).length;
-  const about = values.length ? `${number(values.length)} transistors, mean ${number(mean(values))} ${unit}, ` +
+  const high = Math.max(1, ...bars), beyond = values.reduce((a, v, i) => a + (Math.abs(v) > range ? (values.n ? values.n[i] : 1) : 0), 0);
+  const about = values.length ? `${number(total(values))} transistors, mean ${number(mean(values))} ${unit}, ` +
     `standard deviation ${number(stdv(values))} ${unit}` +
     (beyond ? `; ${number(beyond)} beyond ±${number(range)} ${unit}` : '') +
     (before.length ? `. As drawn: mean ${number(mean(before))} ${unit}, standard deviation ${number(stdv(before))} ${unit}` +

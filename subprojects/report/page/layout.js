@@ -5,7 +5,9 @@
 /* ---- shapes ---- */
 
 /* The view of a run, unpacked once: boxes of transistors (nm, four each), shapes
-   with their bounds, the image. */
+   with their bounds, the image. `row`: row of a transistor in gates.csv, which has
+   one for each class of transistors with equal masks; `order`: transistors by
+   their deviation, one for each row. */
 function scene_of(run) {
   if (!run.scene) run.scene = unpack_view(run);
   return run.scene;
@@ -19,9 +21,15 @@ async function unpack_view(run) {
     sizes.forEach((v, i) => { const n = v; sizes[i] = size; size += n; }); /* now: where each begins */
     return {layer: s.layer, role: s.role, closed: !s.role.endsWith('print'), start: sizes, points, bounds: bounds(sizes, points)};
   }));
-  return {run, boxes, shapes, count: view.transistors, layers: view.layers,
+  const of = view.classes ? await unpack(view.classes, 1) : null, rows = values_of(run), value = {};
+  const first = of ? new Int32Array(rows.after.length) : null;
+  for (let i = of ? of.length : 0; i-- > 0;) first[of[i]] = i;
+  for (const name of Object.keys(rows))
+    value[name] = of && rows[name].length ? Float64Array.from(of, c => rows[name][c]) : rows[name];
+  const order = () => (of ? worst_first(rows.after).map(c => first[c]) : worst_first(rows.after));
+  return {run, boxes, shapes, count: view.transistors, layers: view.layers, row: i => (of ? of[i] : i), order,
     extent: view.extent.map(v => v * view.grid), image: view.image ? await picture(view.image) : null,
-    value: values_of(run), violations: violations_of(run)};
+    value, violations: violations_of(run)};
 }
 
 function bounds(start, points) {
@@ -254,6 +262,7 @@ function facts_of(run, i) {
   const at = name => { const c = column(run, 'gates', name); return c ? c[i] : undefined; };
   const pair = (word, name, unit) => (at(name) === undefined ? [] : [[word, quantity(at(name), unit)]]);
   return [['transistor', at('transistor') ?? '#' + (i + 1)], ...(at('cell') ? [['cell', at('cell')]] : []),
+    ...(at('count') ? [['transistors of this class', number(at('count'))]] : []),
     ...(at('type') ? [['type', at('type')]] : []), ...pair('L', 'l', 'nm'), ...pair('W', 'w', 'nm'),
     ...pair('ΔIon as drawn', 'ion_before', '%'), ...pair('ΔIon', 'ion_after', '%'), ...pair('ΔIoff', 'ioff_after', '%'),
     ...pair('Δarea', 'area_after', '%'), ...pair('mask L', 'mask_l', 'nm'), ...pair('mask W', 'mask_w', 'nm'),

@@ -90,18 +90,21 @@ const first_of = texts => (texts.length > 12 ? [...texts.slice(0, 10), `and ${te
 const notes = () => (data.missing.length
   ? el('div', {class: 'note'}, el('h3', null, 'Missing parts'), el('ul', null, first_of(data.missing).map(m => el('li', null, m)))) : null);
 
-/* All transistors of a method, in all cases that are asked for. */
+/* All transistors of a method, in all cases that are asked for. Of classes, one
+   value with its number of transistors. */
 function pool(method, only) {
-  const out = {ion: [], ioff: [], area: [], before: [], w: [], pairs: [], shots: 0, seconds: 0};
+  const out = {ion: weighted(), ioff: weighted(), area: weighted(), before: weighted(), w: [], pairs: weighted(), shots: 0, seconds: 0};
+  const push = (to, v, n) => { to.push(v), to.n.push(n); };
   for (const r of runs.filter(r => r.method === method && (!only || r.case === only))) {
-    const [ion, area, w] = ['ion_after', 'area_after', 'w'].map(n => deviations(r, n));
+    const [ion, area, w] = ['ion_after', 'area_after', 'w'].map(n => deviations(r, n)), count = column(r, 'gates', 'count');
+    const n = i => (count ? count[i] : 1);
     ion.forEach((v, i) => {
       if (!is(v)) return;
-      out.ion.push(v);
-      if (is(area[i])) out.area.push(area[i]), out.pairs.push([area[i], v]), out.w.push(w[i]);
+      push(out.ion, v, n(i));
+      if (is(area[i])) push(out.area, area[i], n(i)), push(out.pairs, [area[i], v], n(i)), out.w.push(w[i]);
     });
-    for (const v of deviations(r, 'ioff_after')) if (is(v)) out.ioff.push(v);
-    for (const v of deviations(r, 'ion_before')) if (is(v)) out.before.push(v);
+    deviations(r, 'ioff_after').forEach((v, i) => { if (is(v)) push(out.ioff, v, n(i)); });
+    deviations(r, 'ion_before').forEach((v, i) => { if (is(v)) push(out.before, v, n(i)); });
     const shots = r.metrics[metric_named(r, 'shots')];
     out.shots += shots ? shots.value : 0, out.seconds += r.seconds || 0;
   }
@@ -109,16 +112,16 @@ function pool(method, only) {
 }
 
 const size = Math.abs;
-const off_line = p => mean(p.pairs.map(q => size(q[0] - q[1])));
+const off_line = p => mean(mapped(p.pairs, q => size(q[0] - q[1])));
 
 function by_method() {
   return table(`Each method, all transistors of ${cases.length} cases, measured with its own model. ${DELTA}`, [
-    {name: 'method', text: true, cell: m => m.name}, {name: 'transistors', cell: m => number(m.ion.length)},
-    {name: 'mean |ΔIon|', unit: '%', cell: m => number(mean(m.ion.map(size)))},
+    {name: 'method', text: true, cell: m => m.name}, {name: 'transistors', cell: m => number(total(m.ion))},
+    {name: 'mean |ΔIon|', unit: '%', cell: m => number(mean(mapped(m.ion, size)))},
     {name: 'max |ΔIon|', unit: '%', cell: m => number(largest(m.ion.map(size)))},
     {name: 'standard deviation of Ion', unit: '%', cell: m => number(stdv(m.ion))},
-    {name: 'mean |ΔIoff|', unit: '%', cell: m => number(mean(m.ioff.map(size)))},
-    {name: 'mean |Δarea|', unit: '%', cell: m => number(mean(m.area.map(size)))},
+    {name: 'mean |ΔIoff|', unit: '%', cell: m => number(mean(mapped(m.ioff, size)))},
+    {name: 'mean |Δarea|', unit: '%', cell: m => number(mean(mapped(m.area, size)))},
     {name: 'mean |Δarea − ΔIon|', unit: '%', cell: m => number(off_line(m))},
     {name: 'shots', cell: m => number(m.shots)}, {name: 'time', unit: 's', cell: m => number(m.seconds)},
   ], methods.map(name => ({name, ...pool(name)})));
@@ -178,7 +181,7 @@ function scatters(pools) {
 /* Figure 5.5 of the thesis: mean and standard deviation, one against the other. */
 function means_chart(pools) {
   const at = [];
-  pools.forEach((p, k) => p.pairs.length && at.push([k, mean(p.area.map(size)), mean(p.ion.map(size)), stdv(p.area), stdv(p.ion)]));
+  pools.forEach((p, k) => p.pairs.length && at.push([k, mean(mapped(p.area, size)), mean(mapped(p.ion, size)), stdv(p.area), stdv(p.ion)]));
   const values = at.flatMap(v => v.slice(1)).filter(v => v > 0);
   if (!values.length) return null;
   const axis = {log: true, low: Math.min(...values) / 1.5, high: largest(values) * 1.5};
@@ -201,12 +204,13 @@ function means_chart(pools) {
 const GROUPS = 16;
 function against_width(pools) {
   const of = (p, k, what) => {
-    const order = p.w.map((w, i) => [w, size(p[what][i])]).sort((a, b) => a[0] - b[0]), points = [];
+    const order = p.w.map((w, i) => [w, size(p[what][i]), p.pairs.n[i]]).sort((a, b) => a[0] - b[0]), points = [];
     const least = new Set(p.w).size > GROUPS ? order.length / GROUPS : 1;
     for (let from = 0, to; from < order.length; from = to) {
       for (to = from + 1; to < order.length && (to - from < least || order[to][0] === order[to - 1][0]);) to++;
       const part = order.slice(from, to);
-      points.push([mean(part.map(q => q[0])), mean(part.map(q => q[1]))]);
+      const n = part.map(q => q[2]), of = j => mean(Object.assign(part.map(q => q[j]), {n}));
+      points.push([of(0), of(1)]);
     }
     return {k, points};
   };
@@ -291,10 +295,10 @@ function layout() {
 let repaint = () => {};
 
 function worst_ten(place, viewer) {
-  const scene = viewer.scene, ten = worst_first(scene.value.after).slice(0, 10);
+  const scene = viewer.scene, ten = scene.order().slice(0, 10);
   const range = state => viewer.ranges(scene, ['before', 'after'])[state];
   const close_up = (i, state) => {
-    const canvas = el('canvas', {class: 'close', role: 'img', 'aria-label': `${STATES[state]}, ${facts_of(scene.run, i)[0][1]}`});
+    const canvas = el('canvas', {class: 'close', role: 'img', 'aria-label': `${STATES[state]}, ${facts_of(scene.run, scene.row(i))[0][1]}`});
     const c = viewer.centre(i), k = 4 * i, b = scene.boxes;
     const wide = Math.max(b[k + 2] - b[k], b[k + 3] - b[k + 1]) + 300;
     const draw = () => paint(canvas, {scene, state, values: scene.value[state], range: range(state), chosen: -1, show: {...viewer.show, image: false}},
@@ -305,7 +309,7 @@ function worst_ten(place, viewer) {
   };
   place.replaceChildren(el('p', {class: 'about'}, `Of ${name_of(scene.run)}, by the size of the Ion deviation; those that do not print come first.`),
     el('ol', {class: 'cards'}, ten.map(i => el('li', null, el('div', {class: 'pair'},
-      scene.value.before.length ? close_up(i, 'before') : null, close_up(i, 'after')), facts_list(scene.run, i),
+      scene.value.before.length ? close_up(i, 'before') : null, close_up(i, 'after')), facts_list(scene.run, scene.row(i)),
     el('button', {type: 'button', onclick: () => { viewer.element.scrollIntoView(); viewer.choose(i, true); viewer.canvas().focus({preventScroll: true}); }}, 'Show in the layout')))));
 }
 

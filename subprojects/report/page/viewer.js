@@ -185,7 +185,7 @@ class Viewer {
     const i = this.gate_at(this.place(pane, e));
     this.tip.hidden = i < 0;
     if (i < 0) return;
-    this.tip.replaceChildren(facts_list(pane.what.scene.run, i));
+    this.tip.replaceChildren(facts_list(pane.what.scene.run, pane.what.scene.row(i)));
     const r = this.element.getBoundingClientRect(), wide = 230;
     this.tip.style.left = Math.max(0, Math.min(e.clientX - r.left + 14, r.width - wide)) + 'px';
     this.tip.style.top = e.clientY - r.top + 16 + 'px';
@@ -203,7 +203,7 @@ class Viewer {
     if (i >= 0) {
       const runs = [...new Set(this.panes.map(p => p.what.scene.run))], c = this.centre(i), w = this.window;
       for (const run of runs)
-        this.details.append(runs.length > 1 ? el('h4', null, name_of(run)) : '', facts_list(run, i));
+        this.details.append(runs.length > 1 ? el('h4', null, name_of(run)) : '', facts_list(run, this.scene.row(i)));
       if (near) w.scale = Math.max(w.scale, 0.25);
       const half = {x: this.canvas().clientWidth / 2.4 / w.scale, y: this.canvas().clientHeight / 2.4 / w.scale};
       if (near || Math.abs(c.x - w.x) > half.x || Math.abs(c.y - w.y) > half.y) w.x = c.x, w.y = c.y;
@@ -226,7 +226,7 @@ class Viewer {
   }
 
   rank(by) {
-    this.order = this.order || worst_first(this.scene.value.after);
+    this.order = this.order || this.scene.order();
     const at = this.order.indexOf(this.chosen) + (this.chosen < 0 ? (by > 0 ? 1 : 0) : by);
     if (this.order.length) this.choose(this.order[Math.max(0, Math.min(this.order.length - 1, at))], true);
   }

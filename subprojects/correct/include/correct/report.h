@@ -80,29 +80,6 @@ typedef struct summary {
   }
 /* clang-format on */
 
-/* Sums over n values: values, absolute values, squares; largest absolute value.
- */
-typedef struct statistics {
-  double n, sum, absolute, square, max;
-} statistics;
-
-/* Deviations, %, of n-, p- and all transistors that print. */
-typedef struct groups {
-  statistics ion[3], area[3], ioff[3];
-  double leakage[3], leakage_drawn[3]; /* sums of Ioff, A */
-} groups;
-
-/* Add the deviations of a printed transistor of a type (EDA_NMOS, EDA_PMOS). */
-OPC_EXPORT void correct_groups_add(groups *to, int type,
-                                   const eda_figures *drawn,
-                                   const eda_figures *printed);
-/* Return the statistics of groups; edge placement errors and counts are 0. */
-OPC_EXPORT summary correct_groups_sum(const groups *groups);
-/* Publish the table "summary". `drawn` contains the deviations of the drawn
-   mask; NULL: unknown. */
-OPC_EXPORT int correct_groups_table(const opc_host *host, const groups *drawn,
-                                    const groups *printed, opc_error *error);
-
 /* Return the statistics of a simulated mask. `sites`, [gates->layers], may be
    NULL. */
 OPC_EXPORT summary correct_summarize(const eda_gates *gates,

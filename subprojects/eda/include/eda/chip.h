@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The corrected mask of a hierarchical layout as edge displacements of each
-   transistor. The mask of any window follows from the displacements, so the
-   whole layout is never flattened. Data kind (opcflow/step.h) "chip": eda_chip.
-   [any]: see opcflow/plugin.h. */
+/* Transistors of a mask by classes (eda_mask, gates.h): classes and edge
+   displacements of all transistors of a hierarchical layout. The mask of any
+   window follows from the displacements, so the whole layout is never
+   flattened. [any]: see opcflow/plugin.h. */
 #pragma once
 
 #include <eda/gates.h>
@@ -15,10 +15,11 @@ OPC_C_BEGIN
    counted from the low end of `box`, or from the high end where `flip` is set.
    In these own coordinates, a cell has one mask for all eight orientations. */
 typedef struct eda_chip_gate {
-  eda_box box;          /* drawn gate in the layout, grid units */
-  uint32_t mask, print; /* indices in eda_chip.mask, .print */
-  uint8_t type, axis;   /* EDA_NMOS ..., EDA_X ... */
-  uint8_t flip;         /* EDA_FLIP_* bits */
+  eda_box box;        /* drawn gate in the layout, grid units */
+  uint32_t mask;      /* index in eda_chip.mask */
+  uint32_t print;     /* class: index in the gates of the eda_mask */
+  uint8_t type, axis; /* EDA_NMOS ..., EDA_X ... */
+  uint8_t flip;       /* EDA_FLIP_* bits */
 } eda_chip_gate;
 
 /* Edge displacements of a transistor's mask from the drawn position, in its own
@@ -37,16 +38,6 @@ typedef struct eda_chip_box {
   uint16_t cutout;
 } eda_chip_box;
 
-/* Result of the simulation of a transistor, shared by all transistors with the
-   same mask shapes in their optical environment. */
-typedef struct eda_chip_print {
-  eda_figures design, before, after; /* figures of the drawn shapes; figures of
-                                        the contours of the drawn and of the
-                                        corrected mask */
-  uint32_t flags_before, flags;      /* EDA_PRINT_* */
-  uint32_t violations;               /* number of violated design rules */
-} eda_chip_print;
-
 typedef struct eda_chip {
   const eda_layout *layout; /* must outlive the chip */
   int32_t top;
@@ -62,16 +53,26 @@ typedef struct eda_chip {
   eda_chip_gate *gate; /* ordered by lowest, then leftmost corner */
   size_t masks, prints, parts, boxes;
   eda_chip_mask *mask;
-  eda_chip_print *print;
   eda_part *part;
   eda_chip_box *box;
 } eda_chip;
 
-/* Release and check functions of an output of this data kind: free a chip
-   (NULL: do nothing); check order and indices, and return OPC_OK, or OPC_FAILED
-   and *error. [any] */
-OPC_EXPORT void eda_chip_free(void *chip);
-OPC_EXPORT int eda_chip_check(const void *chip, opc_error *error);
+/* Free a chip (NULL: do nothing). Check order and indices, and return OPC_OK,
+   or OPC_FAILED and *error. [any] */
+OPC_EXPORT void eda_chip_free(eda_chip *chip);
+OPC_EXPORT int eda_chip_check(const eda_chip *chip, opc_error *error);
+
+/* Make a mask by classes, which owns the chip, with gates for `prints` classes:
+   box, type, axis and names of the first transistor of each class, L and W of
+   its box, and the number of its transistors. Figures and flags are zeroed. The
+   gates of an empty chip have its layers. [main] */
+OPC_EXPORT eda_mask *eda_chip_mask_new(eda_chip *chip);
+
+/* Read a mask by classes that eda_mask_save wrote. The mask owns the chip,
+   which has layout, grid, extent and layers, but no transistors. Errors as of
+   eda_mask_restore. [main] */
+OPC_EXPORT int eda_chip_mask_restore(eda_chip *chip, const char *folder,
+                                     void **mask, opc_error *error);
 
 /* Return the index of the transistor with this drawn box, or SIZE_MAX. [any] */
 OPC_EXPORT size_t eda_chip_find(const eda_chip *chip, eda_box box);
@@ -95,12 +96,5 @@ OPC_EXPORT eda_box eda_chip_place(eda_box gate, uint8_t axis, uint8_t flip,
                                   eda_box own);
 OPC_EXPORT eda_box eda_chip_own(eda_box gate, uint8_t axis, uint8_t flip,
                                 eda_box placed);
-
-/* Initialise an opc_port (opcflow/step.h). */
-#define EDA_PORT_CHIP(port)                                \
-  {                                                        \
-    .name = port, .kind = "chip", .check = eda_chip_check, \
-    .release = eda_chip_free                               \
-  }
 
 OPC_C_END

@@ -271,8 +271,42 @@ typedef struct eda_violation {
   double value, limit; /* measured value and limit: nm, or a count */
 } eda_violation;
 
+struct eda_chip;
+struct eda_layout;
+struct eda_mask;
+
+/* Access to the shapes of a mask by classes. `data` of the functions is
+   eda_mask.data. Fields may be appended. */
+typedef struct eda_mask_access {
+  size_t size; /* of this struct */
+
+  /* Make the flat mask of a window, in grid units, with gates of its own:
+     transistors that touch `core`, shapes in a margin around it, figures of
+     their classes. [any] */
+  int (*window)(const struct eda_mask *mask, eda_box core,
+                struct eda_mask **out, opc_error *error);
+
+  /* Make the mask, or the drawn shapes (`drawn` = 1), as a layout of cells and
+     arrays. The caller frees *out. [main] */
+  int (*layout)(const struct eda_mask *mask, int drawn, struct eda_layout **out,
+                opc_error *error);
+
+  /* Simulate the surroundings of n classes: make a flat mask for each, as
+     window does with a core of `reach` nm around the class's transistor, with
+     simulated contours, also of the drawn shapes. [main] */
+  int (*simulate)(const struct eda_mask *mask, const size_t *classes, size_t n,
+                  double reach, struct eda_mask **out, opc_error *error);
+} eda_mask_access;
+
 /* A corrected mask. The gates must outlive the mask. A new field must be added
-   to eda_mask_save. */
+   to eda_mask_save.
+
+   A mask is flat or by classes. A flat mask has all shapes and all transistors.
+   A mask by classes has `chip`. Its gates have one transistor for each class:
+   the lowest, then leftmost of all transistors whose masks are equal within the
+   range of optical interaction. Figures, flags and displacements are of the
+   classes; shapes, edges and contours are empty, and `access` provides them by
+   window. */
 typedef struct eda_mask {
   const eda_gates *gates;
   size_t layers; /* equals gates->layers */
@@ -294,7 +328,23 @@ typedef struct eda_mask {
   /* Edge displacements; NULL for a mask with edges displaced by fragment or
      with assist features, and for a mask from another source. Since 0.5. */
   eda_moved *moved;
+  /* The next fields are NULL for a flat mask. Since 0.9. */
+  struct eda_chip *chip;         /* all transistors, with their classes */
+  uint32_t *count;               /* [gates->count], transistors of a class */
+  eda_gates *own;                /* gates that eda_mask_free frees */
+  const eda_mask_access *access; /* valid while the mask exists */
+  void *data;                    /* of `access`; not owned */
 } eda_mask;
+
+/* Return the number of transistors that gate i of a mask represents. [any] */
+OPC_UNUSED static inline double eda_mask_count(const eda_mask *mask, size_t i) {
+  return mask->count ? mask->count[i] : 1;
+}
+
+/* Return OPC_INVALID and an error of the parameter `mask` if the mask is by
+   classes; `consumer`: name of the step that needs a flat mask. [any] */
+OPC_EXPORT int eda_mask_need_flat(const eda_mask *mask, const char *consumer,
+                                  opc_error *error);
 
 /* Return a mask without shapes, performance and flags, which the caller
    allocates by eda_alloc. Free a mask with all arrays (NULL: do nothing). Check
@@ -308,8 +358,9 @@ OPC_EXPORT void eda_mask_set_violations(eda_mask *mask,
                                         const eda_violation *violations,
                                         size_t n);
 
-/* Write a mask without its gates to FOLDER/mask; read the mask for equal gates,
-   bit-identical on the same machine. For `save` and `restore` of steps
+/* Write a flat mask without its gates to FOLDER/mask, a mask by classes to
+   FOLDER/classes; read a flat mask for equal gates, bit-identical on the same
+   machine. For `save` and `restore` of steps
    (opcflow/step.h). Errors: OPC_IO; OPC_FAILED for another format. [any] */
 OPC_EXPORT int eda_mask_save(const eda_mask *mask, const char *folder,
                              opc_error *error);

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the step `correct.layout`: the mask of a chip as a layout with
-   cells and arrays. The mask is built window by window and never as a whole.
-   Placed cells with equal masks become one cell. */
+/* Implements the mask by classes as a layout with cells and arrays. The mask is
+   built window by window and never as a whole. Placed cells with equal masks
+   become one cell. */
 #include <eda/check.h>
 #include <eda/formats.h>
 #include <eda/memory.h>
-#include <opcflow/step.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "arrays.h"
 #include "clips.h"
+#include "window.h"
 
 /* Number of windows per batch, independent of the number of threads. */
 enum { AT_ONCE = 8 };
@@ -21,12 +21,7 @@ static const double side = 30000, most = 20000;
 
 /* ---- state ---- */
 
-typedef struct layout {
-  const opc_host *host;
-  const eda_chip *chip;
-} layout;
-
-typedef struct work {
+typedef struct maker {
   cutter cutter;
   int32_t window;
   size_t columns, rows;
@@ -41,7 +36,7 @@ typedef struct work {
   size_t n_put, put_capacity;
   size_t first; /* first window of the batch */
   clips clips[AT_ONCE];
-} work;
+} maker;
 
 /* ---- displacements ---- */
 
@@ -85,7 +80,7 @@ static int32_t find_boxes(const eda_chip *c, int32_t *before) {
 /* ---- cells and polygons ---- */
 
 static int cut_window(void *data, size_t i, opc_error *error) {
-  work *w = data;
+  maker *w = data;
   size_t k = w->first + i;
   int32_t x = w->extent.x0 + (int32_t)(k % w->columns) * w->window;
   int32_t y = w->extent.y0 + (int32_t)(k / w->columns) * w->window;
@@ -94,7 +89,7 @@ static int cut_window(void *data, size_t i, opc_error *error) {
 }
 
 typedef struct target {
-  work *work;
+  maker *work;
   int32_t cell, layer;
 } target;
 
@@ -105,7 +100,7 @@ static int add_polygon(void *data, const eda_point *points, size_t n,
                                 error);
 }
 
-static int add_rest(work *w, const clips *c, opc_error *error) {
+static int add_rest(maker *w, const clips *c, opc_error *error) {
   int code = OPC_OK;
   for (size_t k = 0; k < w->cutter.chip->layers && !code; k++) {
     target t = {w, w->top, w->layer[k]};
@@ -116,7 +111,7 @@ static int add_rest(work *w, const clips *c, opc_error *error) {
 }
 
 /* Create a cell with the name of the clip's drawn cell and a number. */
-static int32_t name_cell(work *w, const clip *c, opc_error *error) {
+static int32_t name_cell(maker *w, const clip *c, opc_error *error) {
   const eda_chip *chip = w->cutter.chip;
   int32_t of =
       eda_layout_path(w->cutter.outline, chip->top, c->number, NULL, 0);
@@ -130,7 +125,7 @@ static int32_t name_cell(work *w, const clip *c, opc_error *error) {
 
 /* Create a cell with the shapes of a clip; *number receives its index in
    `cell`. */
-static int add_cell(work *w, const clip *c, uint32_t *number,
+static int add_cell(maker *w, const clip *c, uint32_t *number,
                     opc_error *error) {
   target t = {w, name_cell(w, c, error), 0};
   if (t.cell < 0) return error->code;
@@ -148,7 +143,7 @@ static int add_cell(work *w, const clip *c, uint32_t *number,
   return code;
 }
 
-static int add_clips(work *w, const clips *c, opc_error *error) {
+static int add_clips(maker *w, const clips *c, opc_error *error) {
   int code = add_rest(w, c, error);
   for (size_t i = 0; i < c->count && !code; i++) {
     const clip *one = &c->clip[i];
@@ -162,17 +157,17 @@ static int add_clips(work *w, const clips *c, opc_error *error) {
   return code;
 }
 
-static int cut_all(const opc_host *host, work *w, opc_error *error) {
+static int cut_all(const opc_context *context, maker *w, opc_error *error) {
   size_t all = w->columns * w->rows;
   int code = OPC_OK;
   for (w->first = 0; w->first < all && !code; w->first += AT_ONCE) {
     size_t n = MIN(AT_ONCE, all - w->first);
-    code = eda_try_all(host->context, n, cut_window, w, error);
+    code = eda_try_all(context, n, cut_window, w, error);
     for (size_t i = 0; i < n; i++) {
       if (!code) code = add_clips(w, &w->clips[i], error);
       clips_clear(&w->clips[i], w->cutter.chip->layers);
     }
-    if (!code && opc_cancelled(host->context))
+    if (!code && opc_cancelled(context))
       code = opc_fail(error, OPC_CANCELLED, NULL, "cancelled");
   }
   return code;
@@ -192,7 +187,7 @@ static int32_t drawn_layer(const eda_chip *chip, size_t k) {
 
 /* Create the layout with its top cell and its layers, which keep their file
    layers. */
-static void layout_open(work *w, const eda_chip *chip, opc_error *error) {
+static void layout_open(maker *w, const eda_chip *chip, opc_error *error) {
   w->layer = eda_alloc(chip->layers, sizeof *w->layer);
   w->out = eda_layout_new(chip->grid, error);
   w->top = eda_layout_cell(
@@ -206,7 +201,7 @@ static void layout_open(work *w, const eda_chip *chip, opc_error *error) {
   }
 }
 
-static int layout_begin(work *w, const eda_chip *chip, opc_error *error) {
+static int layout_begin(maker *w, const eda_chip *chip, opc_error *error) {
   int32_t *from = eda_alloc(chip->layers, sizeof *from);
   size_t n = 0;
   layout_open(w, chip, error);
@@ -229,90 +224,24 @@ static int layout_begin(work *w, const eda_chip *chip, opc_error *error) {
   return OPC_OK;
 }
 
-static int layout_publish(const opc_host *host, const work *w, size_t placed,
-                          size_t arrays, opc_error *error) {
-  const struct {
-    const char *name;
-    size_t value;
-  } all[] = {{"cells", w->n_cells},
-             {"placed", placed},
-             {"instances", arrays},
-             {"rest", eda_layout_polygons(w->out, w->top)}};
-  int code = OPC_OK;
-  for (size_t k = 0; k < G_N_ELEMENTS(all) && !code; k++)
-    code = host->metric(host, all[k].name, (double)all[k].value, error);
-  return code;
-}
-
-static int layout_run(void *self, void **outputs, opc_error *error) {
-  const layout *l = self;
-  work w = {.cutter.chip = l->chip};
+int hierarchy_make(const opc_context *context, const eda_chip *chip,
+                   eda_layout **out, opc_error *error) {
+  maker w = {.cutter.chip = chip};
   size_t arrays = 0;
   w.known = g_hash_table_new_full(g_bytes_hash, g_bytes_equal,
                                   (GDestroyNotify)g_bytes_unref, NULL);
-  int code = layout_begin(&w, l->chip, error);
-  if (!code) code = cut_all(l->host, &w, error);
+  int code = layout_begin(&w, chip, error);
+  if (!code) code = cut_all(context, &w, error);
   if (!code)
     code = arrays_place(w.out, w.top, w.cell, w.put, w.n_put, &arrays, error);
-  if (!code) code = layout_publish(l->host, &w, w.n_put, arrays, error);
   g_hash_table_destroy(w.known);
   eda_layout_free((eda_layout *)w.cutter.outline);
   free(w.layer);
   free(w.cell);
   free(w.put);
-  outputs[0] = w.out;
-  if (code) {
-    eda_layout_free(w.out);
-    outputs[0] = NULL;
-  }
+  *out = w.out;
+  if (!code) return OPC_OK;
+  eda_layout_free(w.out);
+  *out = NULL;
   return code;
 }
-
-/* Make a layout with one box on each layer on which the chip has shapes, so
-   that the forecast of a writer can check the layers. */
-static int layout_sketch(void *self, void **outputs, opc_error *error) {
-  const eda_chip *chip = ((const layout *)self)->chip;
-  work w = {.cutter.chip = chip};
-  int code = OPC_OK;
-  layout_open(&w, chip, error);
-  outputs[0] = w.out;
-  for (size_t k = 0; k < chip->layers && !code; k++) {
-    eda_box b = {0, 0, 0, 0};
-    int32_t drawn = drawn_layer(chip, k);
-    if (drawn < 0) continue;
-    code = eda_layout_bounds(chip->layout, chip->top, drawn, chip->grid, &b,
-                             error);
-    if (!code && b.x0 < b.x1 && b.y0 < b.y1)
-      code = eda_layout_add_box(w.out, w.top, w.layer[k], (eda_box){0, 0, 1, 1},
-                                error);
-  }
-  free(w.layer);
-  return code;
-}
-
-/* ---- parameters ---- */
-
-static const opc_parameter parameters[] = {
-    OPC_PARAMETER(layout, chip, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "chip", .summary = "Corrected chip"),
-};
-
-static const opc_metric metrics[] = {
-    {"cells", NULL, OPC_NEUTRAL, 0, "cells with different masks"},
-    {"placed", NULL, OPC_NEUTRAL, 0, "placed cells"},
-    {"instances", NULL, OPC_NEUTRAL, 0, "arrays and single instances"},
-    {"rest", NULL, OPC_NEUTRAL, 0, "polygons outside of placed cells"},
-};
-
-/* ---- entry ---- */
-
-static const opc_port outputs_of[] = {EDA_PORT_LAYOUT("layout")};
-static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = layout_run,
-                                   .sketch = layout_sketch};
-
-OPC_PLUGIN(layout, .id = "correct.layout", .kind = "step", .version = "0.1.0",
-           .licence = "BSD-3-Clause",
-           .summary = "the mask of a chip as a layout with cells and arrays",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), OPC_METRICS(metrics),
-           OPC_FUNCTIONS(functions));

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* State shared by the phases of correct.chip. Lengths are in grid steps unless
-   stated otherwise. */
+/* State shared by the phases of a correction by classes. Lengths are in grid
+   steps unless stated otherwise. */
 #pragma once
 
 #include <eda/chip.h>
@@ -10,7 +10,7 @@
 #include <opcflow/pieces.h>
 #include <opcflow/step.h>
 
-#include <correct/settings.h>
+#include <correct/classes.h>
 
 #include "cover.h"
 #include "environment.h"
@@ -29,10 +29,21 @@ typedef struct drawn_print {
   uint32_t flags, unused; /* EDA_PRINT_*; unused: explicit padding */
 } drawn_print;
 
+/* Result of the simulation of a transistor, shared by all transistors with the
+   same mask shapes in their optical environment. */
+typedef struct class_result {
+  eda_figures design, before, after; /* of the drawn shapes; of the contours of
+                                        the drawn and of the corrected mask */
+  double length, width;              /* drawn L and W, nm */
+  double extension[2];               /* of the printed line ends, nm */
+  uint32_t flags_before, flags;      /* EDA_PRINT_* */
+  uint32_t violations;               /* number of violated design rules */
+} class_result;
+
 /* Rule violations (faults.c). */
 typedef struct faults faults;
 
-typedef struct work {
+struct division {
   const opc_host *host;
   const correct_settings *with;
   int32_t margin; /* range of optical interaction */
@@ -56,6 +67,7 @@ typedef struct work {
   drawn_print *before; /* [masks], figures with all edges as drawn */
 
   /* Classes of equal masked environments, called prints. */
+  class_result *print;   /* [chip->prints] */
   GHashTable *prints;    /* maps a checksum to the print number + 1 */
   GPtrArray *sums;       /* owner of the checksums */
   uint32_t *print_first; /* [prints], the simulated transistor */
@@ -65,15 +77,18 @@ typedef struct work {
   faults *faults; /* violations of all prints */
 
   /* Counts for the report. */
-  size_t windows, sheets, refined, simulations, fine_simulations;
+  size_t windows, sheets, refined, iterations, simulations, fine_simulations;
   double worst;       /* largest |Ion deviation| so far, % */
   double share, done; /* progress: share of this phase; sum of the shares of
                          earlier phases */
-} work;
+};
+typedef struct division work;
 
 /* Find all transistors window by window and group them into classes. Fill
    chip->gate and `first`. (scan.c) */
 int scan_all(work *work, opc_error *error);
+/* Compute the extent of the layers with transistors. */
+int scan_extent(eda_chip *chip, opc_error *error);
 
 /* Make the member with the most frequent wider environment the representative
    of each class. Among several such members, choose the lowest, then the
@@ -91,16 +106,16 @@ int correct_prints(work *work, const uint32_t *prints, size_t n,
 /* Set the print of each transistor according to its masked environment within
    `margin`. New prints have no figures yet. (verification.c) */
 void prints_find(work *work);
-/* Simulate one transistor of each new masked environment. Fill chip->print and
+/* Simulate one transistor of each new masked environment. Fill work.print and
    the `print` of each transistor. */
 int verify_all(work *work, opc_error *error);
 /* Return the |Ion deviation| of a print, %; INFINITY if the transistor does not
    print. */
-double print_deviation(const eda_chip_print *print);
+double print_deviation(const class_result *print);
 /* Return the |Ion deviation|, %, below which a new mask replaces the mask of a
    print. Only prints with a violation, or with a deviation beyond a part of
    `ion_limit`, are refined; return NAN for other prints. */
-double print_beyond(const work *work, const eda_chip_print *print);
+double print_beyond(const work *work, const class_result *print);
 
 /* Return a new hash table that maps checksums (SUM_SIZE bytes, not owned) to
    numbers. */
@@ -117,12 +132,21 @@ int faults_find(const work *work, const sheet *sheet,
 /* Store the violations that faults_find wrote to the bytes from `bytes` to
    `end`. `first`: number of the print of place 0 on the sheet. */
 void faults_take(work *work, size_t first, const char *bytes, const char *end);
+/* Change the numbers of prints to number[print]; drop the violations of those
+   with UINT32_MAX. */
+void faults_renumber(faults *faults, const uint32_t *number);
+/* Store the violations of the regulator's rules in a mask, at the transistor of
+   the class. */
+void faults_put(const work *work, eda_mask *mask);
 /* Write tables, findings and metrics of the violations of all present masks,
    one row for each rule. */
 int faults_report(const work *work, opc_error *error);
 
-/* Write all tables, findings and metrics. (report.c) */
-int report_all(const work *work, opc_error *error);
+/* Set the number of each class that has transistors, in the order of their
+   first transistors, and return the mask, which takes the chip. (report.c) */
+eda_mask *report_mask(work *work);
+/* Write all tables, findings and metrics of a mask made by report_mask. */
+int report_all(const work *work, eda_mask *mask, opc_error *error);
 
 /* Sheets of clips around selected transistors. The data of their work units
    begin with this structure. */

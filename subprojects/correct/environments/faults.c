@@ -167,9 +167,40 @@ void faults_take(work *w, size_t first, const char *at, const char *end) {
         .kind = one.kind == TEXT ? text_of(w, at, one.size) : one.kind,
         .value = one.value,
         .limit = one.limit};
-    w->chip->print[of.print].violations += one.kind == TEXT;
+    w->print[of.print].violations += one.kind == TEXT;
     g_array_append_val(w->faults->fault, of);
   }
+}
+
+void faults_renumber(faults *f, const uint32_t *number) {
+  guint n = 0;
+  fault *all = (fault *)(void *)f->fault->data;
+  for (guint k = 0; k < f->fault->len; k++) {
+    all[n] = all[k];
+    all[n].print = number[all[k].print];
+    n += all[n].print != UINT32_MAX;
+  }
+  g_array_set_size(f->fault, n);
+}
+
+void faults_put(const work *w, eda_mask *m) {
+  const GArray *all = w->faults->fault;
+  eda_violation *v = eda_alloc(all->len, sizeof *v);
+  size_t n = 0;
+  for (guint k = 0; k < all->len; k++) {
+    const fault *f = &g_array_index(all, fault, k);
+    if (f->kind < first_text(w)) continue;
+    eda_box b = m->gates->box[f->print];
+    v[n++] = (eda_violation){
+        .rule = g_ptr_array_index(w->faults->rule, f->kind - first_text(w)),
+        .gate = (int32_t)f->print,
+        .x = ((double)b.x0 + b.x1) / 2 * m->gates->grid,
+        .y = ((double)b.y0 + b.y1) / 2 * m->gates->grid,
+        .value = f->value,
+        .limit = f->limit};
+  }
+  eda_mask_set_violations(m, v, n);
+  free(v);
 }
 
 /* ---- report ---- */
@@ -194,9 +225,6 @@ static tally *count_all(const work *w) {
   for (guint k = 0; k < all->len; k++) {
     const fault *f = &g_array_index(all, fault, k);
     tally *t = &out[f->kind];
-    if (!size[f->print])
-      continue; /* a refinement replaced the masks of this
-                   print */
     if (!t->count || first[f->print] < t->first) t->first = first[f->print];
     if (!t->count || fabs(f->value - f->limit) > fabs(t->value - t->limit)) {
       t->value = f->value;

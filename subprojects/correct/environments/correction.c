@@ -29,7 +29,7 @@ typedef struct corrected {
 
 /* Header of a sheet's records. */
 typedef struct head {
-  uint32_t simulations, fine_simulations;
+  uint32_t iterations, simulations, fine_simulations, unused;
 } head;
 
 /* ---- start of the loop ---- */
@@ -182,7 +182,8 @@ static int put_all(const correction *m, const loop *l, const sheet *s,
                       m->on.work->with->synthesizer->id);
   owned o;
   own_all(m, l, &o);
-  const head h = {l->printer.simulations, l->printer.fine_simulations};
+  const head h = {l->iterations, l->printer.simulations,
+                  l->printer.fine_simulations, 0};
   out->add(out, &h, sizeof h);
   for (size_t i = 0; i < l->gates->count; i++)
     if (s->place[i] != UINT32_MAX) put_one(l, &o, s->place[i], i, out);
@@ -297,13 +298,15 @@ static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
   corrected one;
   (void)i, (void)error;
   memcpy(&h, at, sizeof h);
+  m->on.work->iterations = MAX(m->on.work->iterations, h.iterations);
   m->on.work->simulations += h.simulations;
   m->on.work->fine_simulations += h.fine_simulations;
   for (at += sizeof h; at < end;) {
     memcpy(&one, at, sizeof one);
     at += sizeof one;
     const eda_chip_gate *g = &c->gate[m->on.number[one.place]];
-    if (!m->wide || one.off < print_beyond(m->on.work, &c->print[g->print]))
+    if (!m->wide ||
+        one.off < print_beyond(m->on.work, &m->on.work->print[g->print]))
       take_mask(m, &one, at);
     at += one.mask.parts * sizeof(eda_part) +
           one.mask.boxes * sizeof(eda_chip_box);

@@ -115,7 +115,8 @@ static void release_sample(opc_module *m, void *output) {
 #define CHEAP NEWTON ", fine: off"
 
 static opc_module *chip_of(const drawing *d, const char *more) {
-  opc_module *m = make_sample("correct.chip", more);
+  g_autofree char *all = g_strconcat(", divide: environments", more, NULL);
+  opc_module *m = make_sample("correct", all);
   opc_test_input(m, "layout", d->layout);
   return m;
 }
@@ -156,8 +157,9 @@ static eda_layout *mask_of(const eda_chip *chip, const eda_gates *g) {
 
 /* Return the largest deviation of a chip's figures from a flat simulation of
    all its masks, %. */
-static double off_flat(const drawing *d, const eda_chip *chip,
+static double off_flat(const drawing *d, const eda_mask *classes,
                        const char *fine) {
+  const eda_chip *chip = classes->chip;
   eda_gates *g = flat(d);
   eda_layout *layout = mask_of(chip, g);
   g_autofree char *more =
@@ -171,9 +173,10 @@ static double off_flat(const drawing *d, const eda_chip *chip,
   for (size_t i = 0; i < g->count; i++) {
     size_t k = eda_chip_find(chip, g->box[i]);
     g_assert_cmpuint(k, !=, SIZE_MAX);
-    const eda_chip_print *p = &chip->print[chip->gate[k].print];
-    g_assert_cmpfloat(fabs(p->design.ion / mask->design.ion[i] - 1), <, 1e-9);
-    most = fmax(most, fabs(eda_deviation(p->after.ion, mask->after.ion[i])));
+    size_t p = chip->gate[k].print;
+    double as = classes->after.ion[p], drawn = classes->design.ion[p];
+    g_assert_cmpfloat(fabs(drawn / mask->design.ion[i] - 1), <, 1e-9);
+    most = fmax(most, fabs(eda_deviation(as, mask->after.ion[i])));
   }
   release_sample(given, mask);
   eda_layout_free(layout);
@@ -188,16 +191,17 @@ static double off_flat(const drawing *d, const eda_chip *chip,
 static void test_orientations(void) {
   drawing d = eight_orientations();
   opc_module *m = chip_of(&d, CHEAP ", radius: 800 nm");
-  eda_chip *chip = run_step(m);
+  eda_mask *mask = run_step(m);
+  eda_chip *chip = mask->chip;
   g_assert_cmpuint(chip->count, ==, 24);
   g_assert_true(opc_test_metric("classes") == 2);
   g_assert_true(opc_test_metric("prints") == 2);
   g_assert_cmpfloat(opc_test_metric("ion_max"), <, 0.5);
   g_assert_cmpfloat(opc_test_metric("ion_mean_drawn"), >, 2);
-  double most = off_flat(&d, chip, ", fine: off, margin: 4000 nm");
+  double most = off_flat(&d, mask, ", fine: off, margin: 4000 nm");
   g_test_message("off by %.4f %%", most);
   g_assert_cmpfloat(most, <, 0.1);
-  release_sample(m, chip);
+  release_sample(m, mask);
   eda_layout_free(d.layout);
 }
 
@@ -205,9 +209,9 @@ static size_t classes_with(int32_t x, const char *layer) {
   drawing d = eight_orientations();
   if (layer) box(&d, d.top, layer, x, 9000, x + 100, 9100);
   opc_module *m = chip_of(&d, CHEAP ", radius: 800 nm, max_iterations: 0");
-  void *chip = run_step(m);
+  void *mask = run_step(m);
   size_t classes = (size_t)opc_test_metric("classes");
-  release_sample(m, chip);
+  release_sample(m, mask);
   eda_layout_free(d.layout);
   return classes;
 }
@@ -232,9 +236,9 @@ static void test_flavours(void) {
   g_assert_true(g_file_set_contents(table, both, -1, NULL));
   opc_module *good = chip_of(
       &d, CHEAP ", radius: 800 nm, max_iterations: 0, flavours: { lvt: LVTN }");
-  void *chip = run_step(good);
+  void *mask = run_step(good);
   g_assert_true(opc_test_metric("classes") == 4);
-  release_sample(good, chip);
+  release_sample(good, mask);
   g_clear_pointer(&table, g_free);
   eda_layout_free(d.layout);
 }
@@ -257,18 +261,20 @@ static eda_moved *row_moved(const drawing *d, const drawing *row, int rounds,
   g_autofree char *more =
       g_strdup_printf(CHEAP ", radius: 300 nm, rounds: %d", rounds);
   opc_module *m = chip_of(d, more);
-  eda_chip *chip = run_step(m);
+  eda_mask *mask = run_step(m);
+  eda_chip *chip = mask->chip;
   eda_gates *g = flat(row);
   eda_moved *moved = eda_chip_moved(chip, g);
   *odd = 0;
   for (size_t i = 0; i < chip->count; i++) {
-    const eda_chip_print *p = &chip->print[chip->gate[i].print];
+    size_t p = chip->gate[i].print;
     if (chip->gate[i].box.y0 < -5000)
-      *odd = fmax(*odd, fabs(eda_deviation(p->after.ion, p->design.ion)));
+      *odd = fmax(*odd,
+                  fabs(eda_deviation(mask->after.ion[p], mask->design.ion[p])));
   }
-  g_assert_cmpfloat(off_flat(d, chip, ", fine: off, margin: 4000 nm"), <, 0.1);
+  g_assert_cmpfloat(off_flat(d, mask, ", fine: off, margin: 4000 nm"), <, 0.1);
   eda_gates_free(g);
-  release_sample(m, chip);
+  release_sample(m, mask);
   return moved;
 }
 
@@ -316,25 +322,25 @@ static void test_representatives(void) {
 /* Results are bit-identical for any number of threads. */
 static void test_threads(void) {
   drawing d = eight_orientations();
-  eda_chip *chip[2];
+  eda_mask *mask[2];
   opc_module *m[2];
   for (int k = 0; k < 2; k++) {
     opc_set_threads(k ? 3 : 1);
     m[k] = chip_of(&d, NEWTON ", fine: 1e-3, window: 3000 nm");
-    chip[k] = run_step(m[k]);
+    mask[k] = run_step(m[k]);
   }
   opc_set_threads(0);
-  g_assert_cmpuint(chip[0]->masks, ==, chip[1]->masks);
-  g_assert_cmpuint(chip[0]->prints, ==, chip[1]->prints);
-  g_assert_cmpmem(chip[0]->mask, chip[0]->masks * sizeof(eda_chip_mask),
-                  chip[1]->mask, chip[1]->masks * sizeof(eda_chip_mask));
-  for (size_t k = 0; k < chip[0]->prints; k++) {
-    const eda_chip_print *a = &chip[0]->print[k], *b = &chip[1]->print[k];
-    g_assert_true(a->after.ion == b->after.ion);
-    g_assert_true(a->after.ioff == b->after.ioff);
-    g_assert_true(a->before.ion == b->before.ion);
+  const eda_chip *a = mask[0]->chip, *b = mask[1]->chip;
+  g_assert_cmpuint(a->masks, ==, b->masks);
+  g_assert_cmpuint(a->prints, ==, b->prints);
+  g_assert_cmpmem(a->mask, a->masks * sizeof(eda_chip_mask), b->mask,
+                  b->masks * sizeof(eda_chip_mask));
+  for (size_t k = 0; k < a->prints; k++) {
+    g_assert_true(mask[0]->after.ion[k] == mask[1]->after.ion[k]);
+    g_assert_true(mask[0]->after.ioff[k] == mask[1]->after.ioff[k]);
+    g_assert_true(mask[0]->before.ion[k] == mask[1]->before.ion[k]);
   }
-  for (int k = 0; k < 2; k++) release_sample(m[k], chip[k]);
+  for (int k = 0; k < 2; k++) release_sample(m[k], mask[k]);
   eda_layout_free(d.layout);
 }
 
@@ -368,13 +374,14 @@ static void test_sram(void) {
   eda_gates *g = flat(&d);
   opc_module *loop = make_sample("correct", CHEAP REGULATOR);
   opc_test_input(loop, "gates", g);
-  eda_mask *mask = run_step(loop);
+  eda_mask *whole = run_step(loop);
   double mean = opc_test_metric("ion_mean"), worst = opc_test_metric("ion_max");
   for (size_t k = 0; k < G_N_ELEMENTS(windows); k++) {
     g_autofree char *more =
         g_strdup_printf(CHEAP REGULATOR ", window: %s", windows[k]);
     opc_module *m = chip_of(&d, more);
-    eda_chip *chip = run_step(m);
+    eda_mask *mask = run_step(m);
+    eda_chip *chip = mask->chip;
     g_test_message("flat %.3f %.3f, chip %.3f %.3f of %g classes", mean, worst,
                    opc_test_metric("ion_mean"), opc_test_metric("ion_max"),
                    opc_test_metric("classes"));
@@ -384,12 +391,12 @@ static void test_sram(void) {
     g_assert_cmpfloat(opc_test_metric("ion_mean"), <, mean + 0.1);
     g_assert_cmpfloat(opc_test_metric("ion_max"), <, fmax(worst, 0.5));
     g_assert_true(opc_test_metric("worse") == 0);
-    double most = off_flat(&d, chip, ", fine: off, margin: 4000 nm");
+    double most = off_flat(&d, mask, ", fine: off, margin: 4000 nm");
     g_test_message("off by %.4f %%", most);
     g_assert_cmpfloat(most, <, 0.3);
-    release_sample(m, chip);
+    release_sample(m, mask);
   }
-  release_sample(loop, mask);
+  release_sample(loop, whole);
   eda_gates_free(g);
   release_sample(reader, d.layout);
 }
@@ -474,17 +481,18 @@ static void test_ties(void) {
       "regulator.drc, overlay: 20 nm }";
   g_autofree char *top = g_strconcat(more, ", top: TOP, radius: 1100 nm", NULL);
   opc_module *m = chip_of(&d, top);
-  eda_chip *chip = run_step(m);
+  eda_mask *mask = run_step(m);
+  eda_chip *chip = mask->chip;
   g_test_message("%g classes", opc_test_metric("classes"));
   expect_boxes_within(chip, 1100);
   g_assert_true(opc_test_metric("violations") == 0);
-  release_sample(m, chip);
+  release_sample(m, mask);
   eda_gates *g = flat(&d);
   m = make_sample("correct", more);
   opc_test_input(m, "gates", g);
-  void *mask = run_step(m);
+  void *whole = run_step(m);
   g_assert_true(opc_test_metric("violations") == 0);
-  release_sample(m, mask);
+  release_sample(m, whole);
   eda_gates_free(g);
   eda_layout_free(d.layout);
 }
@@ -495,7 +503,8 @@ static void expect_refused(const drawing *d, const char *more,
                            const char *parameter, const char *words) {
   opc_error error = {0};
   void *outputs[1];
-  opc_module *m = try_to_make("correct.chip", more, &error);
+  g_autofree char *all = g_strconcat(", divide: environments", more, NULL);
+  opc_module *m = try_to_make("correct", all, &error);
   if (m) {
     opc_test_input(m, "layout", d->layout);
     g_assert_cmpint(opc_test_run(m, outputs, &error), !=, OPC_OK);
@@ -511,9 +520,10 @@ static void test_refused(void) {
   expect_refused(&d, NEWTON ", radius: 70 um", "", "expected at most 'window'");
   expect_refused(&d, NEWTON ", window: 100 nm", "", "100 nm");
   expect_refused(&d, NEWTON ", top: NONE", "top", "NONE");
-  expect_refused(&d, NEWTON ", also: { metal1: M1 }", "", "poly and active");
+  expect_refused(&d, NEWTON ", also: { metal1: M1 }", "",
+                 "layers without transistors");
   expect_refused(&d, ", synthesizer: { use: synthesizer.epe }, fine: off",
-                 "synthesizer", "displaces fragments");
+                 "divide", "dissects edges");
   drawing none = drawing_new();
   box(&none, none.top, "active", 0, 0, 700, 400);
   box(&none, none.top, "poly", 0, 1000, 700, 1065);

@@ -157,8 +157,7 @@ static void find_classes(work *w) {
 }
 
 /* Compute the extent of the layers with transistors. */
-static int find_extent(work *w, opc_error *error) {
-  eda_chip *c = w->chip;
+int scan_extent(eda_chip *c, opc_error *error) {
   c->extent = (eda_box)EDA_BOX_EMPTY;
   for (size_t k = 0; k < c->layers; k++) {
     int32_t layer = eda_layout_find_layer(c->layout, c->layer[k]);
@@ -173,7 +172,7 @@ static int find_extent(work *w, opc_error *error) {
 
 int scan_all(work *w, opc_error *error) {
   scan s = {.work = w};
-  int code = find_extent(w, error);
+  int code = scan_extent(w->chip, error);
   if (code) return code;
   eda_box all = w->chip->extent;
   if (all.x0 <= all.x1) {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the verification of a chip: one transistor of each class of equal
-   masked environments is simulated, and all transistors of the class receive
-   the figures of that transistor. Two environments are equal if they contain
-   equal masks at equal relative positions within the range of optical
-   interaction. Transistors with equal masks have equal drawn environments. */
+/* Implements the verification of a mask by classes: one transistor of each
+   class of equal masked environments is simulated, and all transistors of the
+   class receive the figures of that transistor. Two environments are equal if they contain equal
+   masks at equal relative positions within the range of optical interaction.
+   Transistors with equal masks have equal drawn environments. */
 #include <eda/index.h>
 #include <eda/memory.h>
 #include <eda/print.h>
@@ -79,13 +79,13 @@ static void sum_some(void *data, size_t part) {
 static void add_print(work *w, const uint8_t *sum, uint32_t first) {
   eda_chip *c = w->chip;
   size_t capacity = w->print_capacity;
-  eda_grow(&c->print, &capacity, c->prints + 1, sizeof *c->print);
+  eda_grow(&w->print, &capacity, c->prints + 1, sizeof *w->print);
   capacity = w->print_capacity;
   eda_grow(&w->print_first, &capacity, c->prints + 1, sizeof *w->print_first);
   capacity = w->print_capacity;
   eda_grow(&w->tried, &capacity, c->prints + 1, 1);
   w->print_capacity = capacity;
-  c->print[c->prints] = (eda_chip_print){0};
+  w->print[c->prints] = (class_result){0};
   w->print_first[c->prints] = first;
   w->tried[c->prints] = 0;
   gpointer copy = g_memdup2(sum, SUM_SIZE);
@@ -121,6 +121,7 @@ typedef struct verify_run {
 typedef struct verified {
   uint32_t place, flags;
   eda_figures design, after;
+  double length, width, extension[2]; /* nm */
 } verified;
 
 /* Build the masks of a sheet without simulating them. */
@@ -146,15 +147,20 @@ static int print_mask(const work *w, eda_mask *m, double **extension,
   return correct_print(&with, w->host, 0, m, NULL, extension, error);
 }
 
-static void put_all(const eda_mask *m, const sheet *s, opc_bytes *out) {
+static void put_all(const eda_mask *m, const sheet *s, const double *extension,
+                    opc_bytes *out) {
   uint64_t n = 0; /* number of records, which precede the violations */
   for (size_t k = 0; k < s->gates->count; k++) n += s->place[k] != UINT32_MAX;
   out->add(out, &n, sizeof n);
   for (size_t k = 0; k < s->gates->count; k++) {
-    const verified one = {.place = s->place[k],
-                          .flags = m->flags[k],
-                          .design = eda_figures_of(&m->design, k),
-                          .after = eda_figures_of(&m->after, k)};
+    const verified one = {
+        .place = s->place[k],
+        .flags = m->flags[k],
+        .design = eda_figures_of(&m->design, k),
+        .after = eda_figures_of(&m->after, k),
+        .length = s->gates->length[k],
+        .width = s->gates->width[k],
+        .extension = {extension[2 * k], extension[2 * k + 1]}};
     if (one.place != UINT32_MAX) out->add(out, &one, sizeof one);
   }
 }
@@ -183,7 +189,7 @@ static int verify_sheet(void *data, size_t i, opc_bytes *out,
                                  .shapes = m->shapes,
                                  .print = m->print,
                                  .scanner = eda_scanner_of(w->with->litho)};
-    put_all(m, &s, out);
+    put_all(m, &s, extension, out);
     code = faults_find(w, &s, &printed, out, error);
   }
   free(extension);
@@ -192,12 +198,12 @@ static int verify_sheet(void *data, size_t i, opc_bytes *out,
   return code;
 }
 
-double print_deviation(const eda_chip_print *p) {
+double print_deviation(const class_result *p) {
   if (eda_print_failed(p->flags)) return INFINITY;
   return fabs(eda_deviation(p->after.ion, p->design.ion));
 }
 
-double print_beyond(const work *w, const eda_chip_print *p) {
+double print_beyond(const work *w, const class_result *p) {
   double limit = tuned.split * w->with->ion_limit, off = print_deviation(p);
   return off > limit ? off : p->violations ? limit : NAN;
 }
@@ -215,13 +221,16 @@ static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
   for (; n; n--, at += sizeof(verified)) {
     verified one;
     memcpy(&one, at, sizeof one);
-    eda_chip_print *to = &c->print[p->first + one.place];
+    class_result *to = &w->print[p->first + one.place];
     uint32_t mask = c->gate[p->on.number[one.place]].mask;
-    *to = (eda_chip_print){.design = one.design,
-                           .before = w->before[mask].figures,
-                           .after = one.after,
-                           .flags_before = w->before[mask].flags,
-                           .flags = one.flags};
+    *to = (class_result){.design = one.design,
+                         .before = w->before[mask].figures,
+                         .after = one.after,
+                         .length = one.length,
+                         .width = one.width,
+                         .extension = {one.extension[0], one.extension[1]},
+                         .flags_before = w->before[mask].flags,
+                         .flags = one.flags};
     if (isfinite(print_deviation(to)))
       w->worst = fmax(w->worst, print_deviation(to));
   }

@@ -1,28 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the step `draw.chip`: a map of a chip, in which colours show one
-   quantity of all transistors. The raster has the size of the picture; a pixel
-   shows the worst of the transistors inside the pixel. */
+/* Implements the picture of a mask by classes: a map of a figure of all
+   transistors. The raster has the size of the picture; a pixel shows the worst
+   of its transistors. */
 #include <eda/chip.h>
-#include <eda/drawing.h>
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <math.h>
-#include <opcflow/step.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "drawer.h"
+
 /* ---- state ---- */
-
-enum { AFTER, BEFORE, CHANGE, CLASSES };
-
-typedef struct drawer {
-  const opc_host *host;
-  const eda_chip *chip;
-  const char *file;
-  int show;
-  int64_t width;
-  double range; /* % */
-} drawer;
 
 /* Pixel values. NAN: no transistor; INFINITY: a transistor does not print. */
 typedef struct raster {
@@ -41,16 +30,10 @@ static uint32_t *count_classes(const eda_chip *c) {
 }
 
 static double gate_figure(const drawer *d, const uint32_t *size, size_t i) {
-  const eda_chip_gate *g = &d->chip->gate[i];
-  const eda_chip_print *p = &d->chip->print[g->print];
-  if (d->show == CLASSES) return log2(size[g->mask]);
-  if (eda_print_failed(d->show == BEFORE ? p->flags_before : p->flags))
-    return INFINITY;
-  double before = eda_deviation(p->before.ion, p->design.ion);
-  double after = eda_deviation(p->after.ion, p->design.ion);
-  return d->show == BEFORE  ? before
-         : d->show == AFTER ? after
-                            : fabs(after) - fabs(before);
+  const eda_chip_gate *g = &d->mask->chip->gate[i];
+  if (d->state == CLASSES) return log2(size[g->mask]);
+  if (drawer_fails(d, g->print)) return INFINITY;
+  return drawer_figure(d, g->print);
 }
 
 /* Return the value that a pixel shows: larger deviation or smaller class. */
@@ -78,11 +61,11 @@ static void raster_put(raster *r, int show, eda_box extent, eda_box b,
 }
 
 static void raster_fill(const drawer *d, raster *r) {
-  const eda_chip *c = d->chip;
+  const eda_chip *c = d->mask->chip;
   uint32_t *size = count_classes(c);
   for (int i = 0; i < r->width * r->height; i++) r->value[i] = NAN;
   for (size_t i = 0; i < c->count; i++)
-    raster_put(r, d->show, c->extent, c->gate[i].box, gate_figure(d, size, i));
+    raster_put(r, d->state, c->extent, c->gate[i].box, gate_figure(d, size, i));
   free(size);
 }
 
@@ -91,18 +74,18 @@ static void raster_fill(const drawer *d, raster *r) {
 /* Return the deviation at the ends of the colour scale, a round number. */
 static double find_range(const drawer *d, const raster *r) {
   double most = 0;
-  if (!isnan(d->range)) return d->range;
+  if (d->asked > 0) return d->asked;
   for (int i = 0; i < r->width * r->height; i++)
     if (isfinite(r->value[i])) most = fmax(most, fabs(r->value[i]));
-  if (d->show == CLASSES) return fmax(1, ceil(most));
+  if (d->state == CLASSES) return fmax(1, ceil(most));
   double unit = pow(10, floor(log10(fmax(most, 0.01))));
   return unit * fmax(1, ceil(most / unit - 1e-6));
 }
 
 static eda_colour colour_of(const drawer *d, double v, double range) {
   if (isinf(v)) return eda_ink;
-  return d->show == CLASSES ? eda_sequential(v / range)
-                            : eda_diverging((v / range + 1) / 2);
+  return d->state == CLASSES ? eda_sequential(v / range)
+                             : eda_diverging((v / range + 1) / 2);
 }
 
 static int raster_paint(const drawer *d, const eda_paper *paper,
@@ -139,11 +122,11 @@ static int raster_paint(const drawer *d, const eda_paper *paper,
 
 static double draw_head(const drawer *d, const eda_paper *paper, double range) {
   static const char *const titles[] = {
-      "Ion deviation after correction", "Ion deviation as drawn",
+      "Ion deviation as drawn", "Ion deviation after correction",
       "|Ion deviation|, after minus before: below 0 is better",
       "Number of transistors with the same mask"};
   char low[32], high[32];
-  int classes = d->show == CLASSES;
+  int classes = d->state == CLASSES;
   (void)snprintf(low, sizeof low, classes ? "1" : "%g %%", -range);
   (void)snprintf(high, sizeof high, classes ? "%.0f" : "%g %%",
                  classes ? exp2(range) : range);
@@ -153,23 +136,25 @@ static double draw_head(const drawer *d, const eda_paper *paper, double range) {
                          .high = high};
   const eda_sign black = {.kind = EDA_SIGN_FILL, .colour = eda_ink};
   double top = paper->margin;
-  top += eda_heading(paper, top, titles[d->show]);
+  top += eda_heading(paper, top, titles[d->state]);
   eda_legend l;
   eda_legend_init(&l, paper, top);
   eda_legend_add(&l, &ramp, "%s", classes ? "transistors" : "");
   if (!classes) eda_legend_add(&l, &black, "does not print");
-  eda_box e = d->chip->extent;
-  eda_legend_add(&l, NULL, "%zu transistors, %.4g x %.4g um", d->chip->count,
-                 ((double)e.x1 - e.x0) * d->chip->grid / 1000,
-                 ((double)e.y1 - e.y0) * d->chip->grid / 1000);
+  const eda_chip *c = d->mask->chip;
+  eda_box e = c->extent;
+  eda_legend_add(&l, NULL, "%zu transistors in %zu classes, %.4g x %.4g um",
+                 c->count, c->prints, ((double)e.x1 - e.x0) * c->grid / 1000,
+                 ((double)e.y1 - e.y0) * c->grid / 1000);
   return ceil(top + l.height + paper->margin / 2);
 }
 
-static int chip_draw(const drawer *d, raster *r, const char *path,
+static int map_write(const drawer *d, raster *r, const char *path,
                      opc_error *error) {
-  double font = fmax(9, (double)d->width / 70), margin = font;
+  double font = fmax(9, (double)d->view.asked.width / 70), margin = font;
   double range = find_range(d, r);
-  eda_paper *paper = eda_paper_open(path, (double)d->width, 0, font, error);
+  eda_paper *paper =
+      eda_paper_open(path, (double)d->view.asked.width, 0, font, error);
   if (!paper) return error->code;
   paper->margin = margin;
   double top = draw_head(d, paper, range);
@@ -179,58 +164,20 @@ static int chip_draw(const drawer *d, raster *r, const char *path,
   return eda_paper_close(paper, code, error);
 }
 
-static int chip_run(void *self, void **outputs, opc_error *error) {
-  const drawer *d = self;
-  eda_box e = d->chip->extent;
+int drawer_map(const drawer *d, opc_error *error) {
+  double font = fmax(9, (double)d->view.asked.width / 70);
+  eda_box e = d->mask->chip->extent;
   double wide = (double)e.x1 - e.x0, high = (double)e.y1 - e.y0;
-  (void)outputs;
-  const char *path = d->host->output_path(d->host, d->file, error);
+  const char *path = d->host->output_path(d->host, d->view.asked.file, error);
   if (!path) return error->code;
-  raster r = {.width =
-                  (int)(d->width - 2 * ceil(fmax(9, (double)d->width / 70)))};
-  /* The scale of a tall chip is limited: the picture is at most square. */
+  raster r = {.width = (int)((double)d->view.asked.width - 2 * ceil(font))};
+  /* The scale of a tall layout is limited: the picture is at most square. */
   r.scale = r.width / fmax(fmax(wide, high), 1);
   r.height = (int)fmax(1, ceil(high * r.scale));
   r.width = (int)fmax(1, ceil(wide * r.scale));
   r.value = eda_alloc((size_t)r.width * (size_t)r.height, sizeof *r.value);
   raster_fill(d, &r);
-  int code = chip_draw(d, &r, path, error);
+  int code = map_write(d, &r, path, error);
   free(r.value);
   return code;
 }
-
-/* ---- parameters ---- */
-
-static const opc_parameter parameters[] = {
-    OPC_PARAMETER(drawer, chip, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "chip", .summary = "Corrected chip"),
-    OPC_PARAMETER(drawer, file, .type = OPC_OUTPUT, .preset = "chip.png",
-                  .summary = "Picture, .png, .svg or .pdf"),
-    OPC_PARAMETER(drawer, show, .type = OPC_CHOICE, .preset = "after",
-                  .choices = "after|before|change|classes",
-                  .summary = "Quantity to show: deviation of Ion after or "
-                             "before correction, change of |deviation|, or "
-                             "number of transistors with the same mask"),
-    OPC_PARAMETER(drawer, width, .type = OPC_INT, .preset = "1000", .min = 200,
-                  .max = 8000, .summary = "Width of the picture, pixels"),
-    OPC_PARAMETER(
-        drawer, range, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
-        .summary =
-            "Deviation at the ends of the colour scale (default: the largest)"),
-};
-
-static int chip_check(void *self, opc_error *error) {
-  const drawer *d = self;
-  return eda_paper_check(d->file, "file", error);
-}
-
-/* ---- entry ---- */
-
-static const opc_step functions = {.run = chip_run};
-
-OPC_PLUGIN(drawer, .id = "draw.chip", .kind = "step", .version = "0.1.0",
-           .licence = "BSD-3-Clause",
-           .summary = "draw a map of the transistors of a chip",
-           .flags = OPC_DETERMINISTIC | OPC_REENTRANT,
-           OPC_PARAMETERS(parameters), .check = chip_check,
-           OPC_FUNCTIONS(functions));

@@ -1,0 +1,214 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Implements the result of a correction by classes: the mask, and its tables,
+   whose size does not grow with the number of transistors. */
+#include <eda/memory.h>
+#include <eda/print.h>
+#include <math.h>
+#include <opcflow/table.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <correct/findings.h>
+#include <correct/report.h>
+#include "work.h"
+
+/* Tolerance of |Ion deviation|, %; as in guard.c. */
+static const double worse_than = 0.001;
+
+/* ---- the mask ---- */
+
+static void figures_put(eda_performance *to, size_t i, const eda_figures *f) {
+  to->ion[i] = f->ion;
+  to->ioff[i] = f->ioff;
+  to->leq_ion[i] = f->leq_ion;
+  to->leq_ioff[i] = f->leq_ioff;
+  to->weq[i] = f->weq;
+  to->area[i] = f->area;
+}
+
+/* Renumber the prints that have transistors. Classes of earlier rounds have
+   none. */
+static void prints_compact(work *w) {
+  eda_chip *c = w->chip;
+  uint32_t *number = eda_alloc(c->prints, sizeof *number);
+  class_result *results = eda_alloc(c->prints, sizeof *results);
+  uint32_t n = 0;
+  memset(number, 0xff, c->prints * sizeof *number);
+  for (size_t i = 0; i < c->count; i++) {
+    uint32_t *k = &c->gate[i].print;
+    if (number[*k] == UINT32_MAX) {
+      results[n] = w->print[*k];
+      number[*k] = n++;
+    }
+    *k = number[*k];
+  }
+  free(w->print);
+  w->print = results;
+  faults_renumber(w->faults, number);
+  c->prints = n;
+  free(number);
+}
+
+eda_mask *report_mask(work *w) {
+  prints_compact(w);
+  eda_mask *m = eda_chip_mask_new(w->chip);
+  for (size_t k = 0; k < m->gates->count; k++) {
+    const class_result *r = &w->print[k];
+    figures_put(&m->design, k, &r->design);
+    figures_put(&m->before, k, &r->before);
+    figures_put(&m->after, k, &r->after);
+    m->after.outside[k] = (r->flags & EDA_PRINT_OUTSIDE) != 0;
+    m->flags[k] = r->flags;
+    m->own->length[k] = r->length;
+    m->own->width[k] = r->width;
+  }
+  m->moved = eda_chip_moved(w->chip, m->gates);
+  m->iterations = (uint32_t)w->iterations;
+  m->simulations = (uint32_t)w->simulations;
+  m->fine_simulations = (uint32_t)w->fine_simulations;
+  return m;
+}
+
+/* ---- findings ---- */
+
+/* Number of transistors with a fault, and index of the first class. */
+typedef struct fault {
+  size_t count, first;
+} fault;
+
+typedef struct sums {
+  fault failed, lost, worse, outside;
+  size_t drawn; /* transistors that the drawn mask prints */
+} sums;
+
+static void fault_add(fault *f, size_t k, size_t by) {
+  if (by && !f->count) f->first = k;
+  f->count += by;
+}
+
+static void sums_add(const work *w, const eda_mask *m, size_t k, sums *s) {
+  const class_result *p = &w->print[k];
+  size_t n = m->count[k];
+  int now = eda_print_failed(p->flags),
+      then = eda_print_failed(p->flags_before);
+  double was = fabs(eda_deviation(p->before.ion, p->design.ion));
+  int worse = print_deviation(p) > fmax(was, w->with->ion_limit) + worse_than;
+  if (!then) s->drawn += n;
+  fault_add(&s->failed, k, now ? n : 0);
+  fault_add(&s->lost, k, now && !then ? n : 0);
+  fault_add(&s->worse, k, !now && !then && worse ? n : 0);
+  fault_add(&s->outside, k, !now && (p->flags & EDA_PRINT_OUTSIDE) ? n : 0);
+}
+
+static void fault_log(const work *w, const eda_mask *m, const fault *f,
+                      const char *what) {
+  eda_box b = f->count ? m->gates->box[f->first] : (eda_box){0};
+  double grid = m->gates->grid;
+  if (f->count)
+    w->host->log(w->host, OPC_LOG_FINDING,
+                 "%zu of %zu transistors %s: the first at (%.10g, %.10g) nm",
+                 f->count, m->chip->count, what,
+                 ((double)b.x0 + b.x1) / 2 * grid,
+                 ((double)b.y0 + b.y1) / 2 * grid);
+}
+
+static void log_faults(const work *w, const eda_mask *m, const sums *s) {
+  fault_log(w, m, &s->failed,
+            "do not print as one transistor and have no figures");
+  fault_log(w, m, &s->lost, "print with the drawn mask but not with this mask");
+  fault_log(w, m, &s->worse,
+            "deviate more than with the drawn mask and more than the limit");
+  fault_log(w, m, &s->outside,
+            "have figures extrapolated beyond the device table");
+  if (!s->drawn)
+    w->host->log(w->host, OPC_LOG_FINDING,
+                 "no transistor of the drawn mask prints: check the 'scale' of "
+                 "the layout, that optics and resist belong to the process, "
+                 "and that poly and active are not exchanged");
+}
+
+/* ---- tables ---- */
+
+/* Write a histogram of the number of transistors per class, in bins of 1, 2, 3
+   to 4, 5 to 8 and so on. `prints`: 1 for classes by masked environment, 0 by
+   mask. */
+static int class_table(const work *w, const eda_mask *m, const char *name,
+                       int prints, opc_error *error) {
+  enum { SIZES = 34 };
+  struct {
+    int64_t most, classes, transistors;
+  } row[SIZES] = {{0}};
+  const eda_chip *c = m->chip;
+  size_t n = prints ? c->prints : c->masks;
+  uint32_t *size = eda_alloc(n, sizeof *size);
+  for (size_t i = 0; i < c->count; i++)
+    size[prints ? c->gate[i].print : c->gate[i].mask]++;
+  size_t rows = 0;
+  for (size_t k = 0; k < n; k++) {
+    size_t at = 0;
+    if (!size[k]) continue;
+    while (((uint64_t)1 << at) < size[k]) at++;
+    row[at].classes++;
+    row[at].transistors += size[k];
+  }
+  free(size);
+  for (size_t at = 0; at < SIZES; at++) {
+    if (!row[at].classes) continue;
+    row[rows] = row[at];
+    row[rows++].most = (int64_t)1 << at;
+  }
+  const opc_column columns[] = {
+      {"transistors_at_most", NULL, OPC_INT, 0, &row->most},
+      {"classes", NULL, OPC_INT, 0, &row->classes},
+      {"transistors", NULL, OPC_INT, 0, &row->transistors}};
+  return opc_put_rows(w->host, name, 0, rows, sizeof *row, OPC_ARRAY(columns),
+                      error);
+}
+
+/* ---- run ---- */
+
+static int put_metrics(const work *w, const eda_mask *m, const sums *s,
+                       opc_error *error) {
+  const opc_metric_value values[] = {
+      {"windows", (double)w->windows},     {"classes", (double)w->classes},
+      {"prints", (double)m->gates->count}, {"refined", (double)w->refined},
+      {"sheets", (double)w->sheets},       {"worse", (double)s->worse.count},
+      {"lost", (double)s->lost.count}};
+  return opc_put_metrics(w->host, OPC_ARRAY(values), error);
+}
+
+/* Write the tables that each mask has, with one row for each class. */
+static int report_classes(const work *w, const eda_mask *m, opc_error *error) {
+  size_t n = m->gates->count;
+  trial none;
+  uint32_t *before = eda_alloc(n, sizeof *before);
+  double *extension = eda_alloc(2 * n, sizeof *extension);
+  for (size_t k = 0; k < n; k++) {
+    before[k] = w->print[k].flags_before;
+    extension[2 * k] = w->print[k].extension[0];
+    extension[2 * k + 1] = w->print[k].extension[1];
+  }
+  correct_trial_init(&none, m->layers, n);
+  none.biases.base = m->moved;
+  const report content = {.mask = m,
+                          .extension = extension,
+                          .biases = &none.biases,
+                          .flags_before = before};
+  int code = correct_report_mask(w->host, &content, error);
+  correct_trial_clear(&none);
+  free(extension);
+  free(before);
+  return code;
+}
+
+int report_all(const work *w, eda_mask *m, opc_error *error) {
+  sums s = {0};
+  correct_findings_of_drawing(w->host, m->gates, w->with->extractor);
+  for (size_t k = 0; k < m->gates->count; k++) sums_add(w, m, k, &s);
+  log_faults(w, m, &s);
+  int code = report_classes(w, m, error);
+  if (!code) code = class_table(w, m, "masks", 0, error);
+  if (!code) code = class_table(w, m, "environments", 1, error);
+  if (!code) code = faults_report(w, error);
+  return code ? code : put_metrics(w, m, &s, error);
+}

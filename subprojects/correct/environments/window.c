@@ -1,0 +1,149 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Implements the access to a mask by classes: the flat mask of a window, and
+   simulations of the surroundings of classes. */
+#include "window.h"
+
+#include <eda/memory.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include <correct/classes.h>
+#include <correct/start.h>
+
+/* ---- a window ---- */
+
+static void put_figures(const eda_mask *from, size_t class, eda_mask *to,
+                        size_t i) {
+  const eda_performance *const source[] = {&from->design, &from->before,
+                                           &from->after};
+  eda_performance *const target[] = {&to->design, &to->before, &to->after};
+  for (size_t k = 0; k < 3; k++) {
+    const eda_performance *a = source[k];
+    eda_performance *b = target[k];
+    b->ion[i] = a->ion[class];
+    b->ioff[i] = a->ioff[class];
+    b->leq_ion[i] = a->leq_ion[class];
+    b->leq_ioff[i] = a->leq_ioff[class];
+    b->weq[i] = a->weq[class];
+    b->area[i] = a->area[class];
+    b->outside[i] = a->outside[class];
+  }
+  to->flags[i] = from->flags[class];
+}
+
+static int boxes_touch(eda_box a, eda_box b) {
+  return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
+}
+
+/* Set figures and counts of all gates; those outside of the core count 0. */
+static void take_figures(const eda_mask *from, eda_box core, eda_mask *to) {
+  size_t n = to->gates->count;
+  to->count = eda_alloc(n, sizeof *to->count);
+  to->flags = eda_alloc(n, sizeof *to->flags);
+  eda_performance_init(&to->design, n);
+  eda_performance_init(&to->before, n);
+  eda_performance_init(&to->after, n);
+  for (size_t i = 0; i < n; i++) {
+    size_t k = eda_chip_find(from->chip, to->gates->box[i]);
+    if (k == SIZE_MAX) continue;
+    to->count[i] = boxes_touch(to->gates->box[i], core) != 0;
+    put_figures(from, from->chip->gate[k].print, to, i);
+  }
+}
+
+static int window_make(const eda_mask *mask, eda_box core, int32_t halo,
+                       eda_mask **out, opc_error *error) {
+  const eda_chip *c = mask->chip;
+  eda_segment_settings settings = c->segment;
+  eda_gates *g;
+  settings.paths = 1;
+  int code =
+      eda_segment_core(c->layout, c->top, &settings, core, halo, &g, error);
+  if (code) return code;
+  eda_mask *m = *out = eda_mask_new(g);
+  m->own = g;
+  m->moved = eda_chip_moved(c, g);
+  take_figures(mask, core, m);
+  for (size_t k = 0; k < g->layers && !code; k++)
+    if (g->corrected[k])
+      code = correct_start_mask(g, m->moved, k, &m->shapes[k], error);
+  if (!code) return OPC_OK;
+  eda_mask_free(m);
+  *out = NULL;
+  return code;
+}
+
+static int window_flat(const eda_mask *mask, eda_box core, eda_mask **out,
+                       opc_error *error) {
+  return window_make(mask, core, 0, out, error);
+}
+
+/* ---- simulation ---- */
+
+OPC_PRINTF(3, 4)
+static void log_nothing(const opc_host *host, int level, const char *format,
+                        ...) {
+  (void)host, (void)level, (void)format;
+}
+
+static int simulate_one(const classes_source *s, eda_mask *m,
+                        opc_error *error) {
+  opc_host quiet = *s->host;
+  correct_settings with = *s->with;
+  uint32_t *before = NULL;
+  double *extension = NULL;
+  eda_performance_clear(&m->before);
+  eda_performance_clear(&m->after);
+  free(m->flags);
+  m->flags = NULL;
+  quiet.log = log_nothing;
+  with.margin = CLASSES_GAP;
+  int code = correct_print(&with, &quiet, 0, m, &before, &extension, error);
+  free(before);
+  free(extension);
+  return code;
+}
+
+static int window_simulate(const eda_mask *mask, const size_t *classes,
+                           size_t n, double reach, eda_mask **out,
+                           opc_error *error) {
+  const classes_source *s = mask->data;
+  double grid = mask->gates->grid;
+  int32_t more = (int32_t)ceil(reach / grid),
+          halo = (int32_t)ceil(s->margin / grid);
+  int code = OPC_OK;
+  for (size_t i = 0; i < n && !code; i++) {
+    eda_box core = eda_box_grown(mask->gates->box[classes[i]], more);
+    if (opc_cancelled(s->host->context))
+      code = opc_fail(error, OPC_CANCELLED, NULL, "stopped");
+    if (!code) code = window_make(mask, core, halo, &out[i], error);
+    if (!code) code = simulate_one(s, out[i], error);
+  }
+  for (size_t i = 0; i < n && code; i++) {
+    eda_mask_free(out[i]);
+    out[i] = NULL;
+  }
+  return code;
+}
+
+/* ---- access ---- */
+
+static int window_layout(const eda_mask *mask, int drawn, eda_layout **out,
+                         opc_error *error) {
+  const classes_source *s = mask->data;
+  eda_chip chip = *mask->chip;
+  if (drawn) chip.mask = eda_alloc(chip.masks, sizeof *chip.mask);
+  if (drawn) chip.parts = chip.boxes = 0;
+  int code = hierarchy_make(s->host->context, &chip, out, error);
+  if (drawn) free(chip.mask);
+  return code;
+}
+
+void correct_classes_access(eda_mask *m, const classes_source *source) {
+  static const eda_mask_access access = {.size = sizeof access,
+                                         .window = window_flat,
+                                         .layout = window_layout,
+                                         .simulate = window_simulate};
+  m->access = &access;
+  m->data = (void *)source;
+}

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Correction of a layout by classes: transistors in equivalent optical
+   environments get the same mask. The result is a mask by classes
+   (eda/gates.h). All functions are for the main thread. */
+#pragma once
+
+#include <eda/chip.h>
+
+#include <correct/settings.h>
+
+/* A layout and the settings of its correction. Texts and settings must outlive
+   the mask. */
+typedef struct classes_request {
+  const opc_host *host;
+  const eda_layout *layout;
+  const char *top; /* NULL: the only cell that no other places */
+  eda_segment_settings segment;
+  const correct_settings *with;
+  double radius;  /* nm, within which equal shapes get equal masks; NAN: default
+                   */
+  double margin;  /* nm, range of optical interaction */
+  double window;  /* side of a window, nm */
+  int64_t rounds; /* largest number of rounds in which classes are split */
+} classes_request;
+
+/* Models of later simulations of the mask; must outlive the mask. */
+typedef struct classes_source {
+  const opc_host *host;
+  const correct_settings *with;
+  double margin; /* nm */
+} classes_source;
+
+/* Return the range of optical interaction, nm: `margin`, or the default for the
+   accuracy of `with` if it is NAN. */
+OPC_EXPORT double correct_classes_margin(const correct_settings *with,
+                                         double margin);
+
+/* Find all transistors of the layout and their classes of equal drawn
+   environments; prepare the models. Free *out with correct_classes_free, also
+   after an error. Returns OPC_INVALID if there are no transistors. */
+typedef struct division division;
+OPC_EXPORT int correct_classes_find(const classes_request *request,
+                                    division **out, opc_error *error);
+OPC_EXPORT void correct_classes_free(division *division);
+
+/* Return the number of classes. */
+OPC_EXPORT size_t correct_classes_count(const division *division,
+                                        size_t *transistors);
+
+/* Correct all classes, verify all transistors, and publish tables, metrics and
+   findings. *mask receives the mask. */
+OPC_EXPORT int correct_classes_correct(division *division,
+                                       const classes_source *source,
+                                       void **mask, opc_error *error);
+
+/* Make a mask by classes without transistors, for opc_step.sketch; read a mask
+   that correct_save_mask wrote, for opc_step.restore. */
+OPC_EXPORT int correct_classes_sketch(const classes_request *request,
+                                      const classes_source *source, void **mask,
+                                      opc_error *error);
+OPC_EXPORT int correct_classes_restore(const classes_request *request,
+                                       const classes_source *source,
+                                       const char *folder, void **mask,
+                                       opc_error *error);
+
+/* Give a mask by classes the functions of eda_mask_access. */
+OPC_EXPORT void correct_classes_access(eda_mask *mask,
+                                       const classes_source *source);
