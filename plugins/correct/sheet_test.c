@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests covering by clips, placement on sheets, and the symmetry of the
    optics. */
-#include "environments/sheet.c"
+#include <environments/sheet.c>
 
 #include <correct/symmetry.h>
 #include "tools/devel/testing.h"
 
 #define maker halver /* both included files define a type of this name */
-#include "environments/cover.c"
+#include <environments/cover.c>
 #undef maker
 
 enum { PLACES = 9 };

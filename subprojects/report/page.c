@@ -19,9 +19,9 @@
 static const char *const tables[] = {"gates", "history", "corners",
                                      "violations"};
 static const char *const gate_columns[] = {
-    "transistor", "cell",      "type",       "l",          "w",
-    "ion_before", "ion_after", "ioff_after", "area_after", "mask_l",
-    "mask_w",     "print",     "verdict"};
+    "transistor", "cell",       "count",     "type",       "l",
+    "w",          "ion_before", "ion_after", "ioff_after", "area_after",
+    "mask_l",     "mask_w",     "print",     "verdict"};
 
 /* ---- work: JSON elements ---- */
 

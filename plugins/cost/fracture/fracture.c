@@ -157,8 +157,9 @@ static int count_layer(const counter *c, const ruler *r,
 
 /* ---- work: tables ---- */
 
+/* `flat`: 0 for a mask by classes, which has no figures of MEBES. */
 static int publish_tables(const opc_host *host, const row *rows, size_t n,
-                          opc_error *error) {
+                          int flat, opc_error *error) {
   const int64_t *before = rows->drawn.figure, *after = rows->now.figure;
   const opc_column figures[] = {
       {"layer", NULL, OPC_TEXT, 0, &rows->layer},
@@ -185,12 +186,13 @@ static int publish_tables(const opc_host *host, const row *rows, size_t n,
   int code = opc_put_rows(host, "cost", OPC_TABLE_PRINT, n, sizeof *rows,
                           OPC_ARRAY(figures), error);
   return code ? code
-              : opc_put_rows(host, "cost_bytes", OPC_TABLE_PRINT, n,
-                             sizeof *rows, OPC_ARRAY(files), error);
+              : opc_put_rows(
+                    host, "cost_bytes", OPC_TABLE_PRINT, n, sizeof *rows, files,
+                    sizeof files / sizeof *files - (flat ? 0 : 2), error);
 }
 
 static int publish_metrics(const opc_host *host, const row *rows, size_t n,
-                           opc_error *error) {
+                           int flat, opc_error *error) {
   double drawn[FIGURES] = {0}, now[FIGURES] = {0};
   for (size_t k = 0; k < n; k++)
     for (int i = 0; i < FIGURES; i++) {
@@ -198,11 +200,16 @@ static int publish_metrics(const opc_host *host, const row *rows, size_t n,
       now[i] += (double)rows[k].now.figure[i];
     }
   const opc_metric_value values[] = {
-      {"rectangles", now[RECTANGLES]}, {"rectangles_drawn", drawn[RECTANGLES]},
-      {"shots", now[SHOTS]},           {"shots_drawn", drawn[SHOTS]},
-      {"slivers", now[SLIVERS]},       {"vertices", now[VERTICES]},
-      {"gdsii_bytes", now[GDSII]},     {"oasis_bytes", now[OASIS]},
-      {"mebes_bytes", now[MEBES]},     {"mebes_bytes_drawn", drawn[MEBES]},
+      {"rectangles", now[RECTANGLES]},
+      {"rectangles_drawn", drawn[RECTANGLES]},
+      {"shots", now[SHOTS]},
+      {"shots_drawn", drawn[SHOTS]},
+      {"slivers", now[SLIVERS]},
+      {"vertices", now[VERTICES]},
+      {"gdsii_bytes", now[GDSII]},
+      {"oasis_bytes", now[OASIS]},
+      {flat ? "mebes_bytes" : NULL, now[MEBES]},
+      {flat ? "mebes_bytes_drawn" : NULL, drawn[MEBES]},
   };
   return opc_put_metrics(host, OPC_ARRAY(values), error);
 }
@@ -242,8 +249,8 @@ static int count_all(const counter *c, row *rows, opc_error *error) {
   }
   int code = eda_try_all(c->host->context, 2 * n, count_one, &all, error);
   free(all.layer);
-  if (!code) code = publish_tables(c->host, rows, n, error);
-  return code ? code : publish_metrics(c->host, rows, n, error);
+  if (!code) code = publish_tables(c->host, rows, n, 1, error);
+  return code ? code : publish_metrics(c->host, rows, n, 1, error);
 }
 
 /* ---- work: a mask by classes ---- */
@@ -286,8 +293,8 @@ static int64_t *count_copies(const eda_layout *from, int32_t top) {
   return copies;
 }
 
-/* Add the cost of all cells of a layer; GDSII and OASIS bytes count
-   once for each cell, MEBES bytes, which have no cells, for each copy. */
+/* Add the cost of all cells of a layer. GDSII and OASIS bytes count once for
+   each cell; MEBES, which has no cells, is not modelled. */
 static int count_cells(const counter *c, const ruler *r, const eda_layout *from,
                        size_t layer, cost *out, opc_error *error) {
   const eda_gates *g = c->mask->gates;
@@ -304,8 +311,7 @@ static int count_cells(const counter *c, const ruler *r, const eda_layout *from,
       code =
           count_layer(c, r, &shapes, eda_gates_number(g, layer), &one, error);
     for (int k = 0; k < FIGURES; k++)
-      out->figure[k] +=
-          one.figure[k] * (k <= VERTICES || k == MEBES ? copies[i] : 1);
+      out->figure[k] += one.figure[k] * (k <= VERTICES ? copies[i] : 1);
     out->area += one.area * (double)copies[i];
     eda_shapes_clear(&shapes);
   }
@@ -335,8 +341,8 @@ static int count_classes(const counter *c, row *rows, opc_error *error) {
     }
     eda_layout_free(cells);
   }
-  if (!code) code = publish_tables(c->host, rows, n, error);
-  return code ? code : publish_metrics(c->host, rows, n, error);
+  if (!code) code = publish_tables(c->host, rows, n, 0, error);
+  return code ? code : publish_metrics(c->host, rows, n, 0, error);
 }
 
 static int fracture_run(void *self, void **outputs, opc_error *error) {

@@ -144,9 +144,12 @@ static int match_netlist(match_task *j, const matcher *m, eda_circuit **out) {
 }
 
 static int match_check(const matcher *m, opc_error *error) {
-  if (!m->mask == !m->gates)
+  if (!m->mask && !m->gates)
     return opc_fail(error, OPC_INVALID, "gates",
                     "set either 'gates' or 'mask'");
+  if (m->mask && m->gates && m->mask->gates != m->gates)
+    return opc_fail(error, OPC_INVALID, "gates",
+                    "the mask belongs to other gates");
   return m->mask ? eda_mask_need_flat(m->mask, "netlist.match", error) : OPC_OK;
 }
 
