@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Measures correct.chip from file to file for layouts of increasing size:
-   square arrays of the memory cell and, if OPCFLOW_TEST_DATA has them, macros
-   of IHP. Reports processor time, peak memory, number of masks, and size of the
-   mask file. */
+/* Measures correction by classes from file to file for layouts of increasing
+   size: square arrays of the memory cell and, if OPCFLOW_TEST_DATA has them,
+   macros of IHP. Reports processor time, peak memory, number of masks, and size
+   of the mask file. */
 #include <fcntl.h>
 #include <glib.h>
 #include <glib/gstdio.h>
@@ -62,10 +62,8 @@ static double size_of(const char *path) {
 static const char rest[] =
     "name: bench\n"
     "steps:\n"
-    "  masks: { use: correct.layout, chip: \"${mask}\" }\n"
-    "  file: { use: write.oasis, layout: \"${masks}\", file: mask.oas, "
-    "layers: { poly: 9/0, active: 1/0, contact: 10/0 } }\n"
-    "  picture: { use: draw.chip, chip: \"${mask}\" }\n";
+    "  file: { use: write.oasis, mask: \"${mask}\", file: mask.oas }\n"
+    "  picture: { use: draw.mask, mask: \"${mask}\" }\n";
 
 static void figure_report(const char *name, const char *what, double value,
                           const char *unit, double reach) {
@@ -160,8 +158,7 @@ static gboolean measure_macro(const char *folder, const char *data,
   g_autofree char *file =
       g_strdup_printf("%s/RM_IHPSG13_1P_%s.gds", data, macro);
   g_autofree char *set = g_strconcat("layout.file=", file, NULL);
-  char *more[] = {(char *)"--variant", (char *)"chip", (char *)"--set", set,
-                  NULL};
+  char *more[] = {(char *)"--set", set, NULL};
   return chip_measure(folder, macro, "processes/ihp130.yaml", more, transistors,
                       area, file);
 }

@@ -105,23 +105,14 @@ static void test_orientation(void) {
   g_assert_cmpfloat(metric("turned", "mask", "ion_max"), <=, 0.5);
 }
 
-/* In the mask of a chip as a layout, layers have the numbers of the drawn
-   layers. If a layer has no number, the check fails before the correction. */
+/* Layers of a mask by classes have the numbers of a flat mask. */
 static void test_chip_numbers(void) {
   g_autofree char *chip = source_path("flows/chip.yaml");
-  g_autofree char *cif = source_path("data/cells65/sram4.cif");
   static const char steps[] =
-      "  masks: { use: correct.layout, chip: '${mask}' }\n"
-      "  file: { use: write.oasis, layout: '${masks}', file: chip.oas }\n";
+      "  file: { use: write.oasis, mask: '${mask}', file: chip.oas }\n";
   g_autofree char *good = g_strdup_printf(
       "opcflow: 1\nname: numbers\nextends: %s\nsteps:\n%s", chip, steps);
-  g_autofree char *bad = g_strdup_printf(
-      "%s  layout: { use: read.cif, file: %s, layers: { poly: CP, active: CA, "
-      "contact: CC, nwell: CW } }\n",
-      good, cif);
-  g_autofree char *errors = NULL;
   write_file("numbers.yaml", good);
-  write_file("none.yaml", bad);
   g_assert_cmpint(opcflow(NULL, "check", "numbers.yaml", NULL), ==, 0);
   g_assert_cmpint(opcflow(NULL, "run", "numbers.yaml", "--set", "mask.fine=off",
                           "--set", "require=~", "--output", "numbers", NULL),
@@ -131,9 +122,6 @@ static void test_chip_numbers(void) {
              "file: numbers/chip.oas, layers: { poly: 9/0, active: 1/0, "
              "contact: 10/0 } }\n");
   g_assert_cmpint(opcflow(NULL, "run", "back.yaml", NULL), ==, 0);
-  g_assert_cmpint(
-      opcflow(&errors, "check", "--variant", "base", "none.yaml", NULL), ==, 2);
-  g_assert_nonnull(strstr(errors, "'poly': the layer has no number"));
 }
 
 /* The check finds wrong layers of a mask's writers

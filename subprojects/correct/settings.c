@@ -53,8 +53,8 @@ void correct_forecast(const correct_settings *with, const opc_host *host,
                  finely ? fine_prints : prints, layers, layers == 1 ? "" : "s",
                  size.columns, size.rows);
   (void)snprintf(out->help, sizeof out->help,
-                 "part of the layout, a smaller 'margin', or correct.chip, "
-                 "which simulates one window at a time");
+                 "part of the layout, a smaller 'margin', or 'layout' for "
+                 "'gates', with 'divide: environments'");
 }
 
 /* ---- printing ---- */

@@ -31,7 +31,7 @@ static const double around = 400; /* margin around a worst transistor, nm */
    this period look coarse. 6e5 pixels take 0.05 s and 0.4 MB. */
 static const double finest_pixel = 16, coarsest_pixel = 48, pixels = 6e5;
 
-/* Largest number of classes whose surroundings are simulated, 0.05 s each; the
+/* Largest number of classes around which masks are simulated, 0.05 s each; the
    page shows ten. Largest number of transistors whose boxes are written, some 2
    bytes each. */
 enum { MOST_SIMULATED = 40 };
@@ -462,7 +462,7 @@ static int class_add(const drawing *all, const eda_mask *m, part one,
   return code;
 }
 
-/* Write the surroundings of the worst classes, which are simulated one by
+/* Write the shapes around the worst classes, which are simulated one by
    one. */
 static int write_classes(drawing *d, const size_t *worst, opc_error *error) {
   const eda_mask *m = d->mask;

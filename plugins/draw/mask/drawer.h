@@ -4,9 +4,9 @@
 
 #include "../view.h"
 
-/* State to show: the drawn mask and its printed image, the corrected mask and
-   its printed image, the improvement by the correction, or the number of
-   transistors with the same mask. */
+/* State to show: the drawn mask or the corrected mask, each with its printed
+   image; the improvement by the correction; the number of transistors with the
+   same mask. */
 enum { BEFORE, AFTER, DIFFERENCE, CLASSES };
 
 typedef struct drawer {

@@ -54,7 +54,7 @@ int klayout_put_contours(target *t, const contours *c, int holes,
                          opc_error *error);
 
 /* List the layers of a mask by classes, and build the layout: drawn shapes and
-   mask as cells and arrays, and the simulated surroundings of the worst
+   mask as cells and arrays, and the simulated contours around the worst
    classes. Returns NULL on failure. (classes.c) */
 void klayout_list_classes(klayout *k);
 eda_layout *klayout_build_classes(klayout *k, opc_error *error);

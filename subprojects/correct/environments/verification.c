@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the verification of a mask by classes: one transistor of each
+/* Implements the verification of a mask by classes. One transistor of each
    class of equal masked environments is simulated, and all transistors of the
-   class receive the figures of that transistor. Two environments are equal if they contain equal
-   masks at equal relative positions within the range of optical interaction.
-   Transistors with equal masks have equal drawn environments. */
+   class receive the figures of that transistor. Two environments are equal if
+   they contain equal masks at equal relative positions within the range of
+   optical interaction. Transistors with equal masks have equal drawn
+   environments. */
 #include <eda/index.h>
 #include <eda/memory.h>
 #include <eda/print.h>

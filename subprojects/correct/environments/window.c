@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the access to a mask by classes: the flat mask of a window, and
-   simulations of the surroundings of classes. */
+   simulations around classes. */
 #include "window.h"
 
 #include <eda/memory.h>

@@ -291,9 +291,9 @@ typedef struct eda_mask_access {
   int (*layout)(const struct eda_mask *mask, int drawn, struct eda_layout **out,
                 opc_error *error);
 
-  /* Simulate the surroundings of n classes: make a flat mask for each, as
-     window does with a core of `reach` nm around the class's transistor, with
-     simulated contours, also of the drawn shapes. [main] */
+  /* Make a flat mask around n classes, as window does with a core of `reach` nm
+     around the transistor of each class. Simulate the contours of these masks
+     and of the drawn shapes. [main] */
   int (*simulate)(const struct eda_mask *mask, const size_t *classes, size_t n,
                   double reach, struct eda_mask **out, opc_error *error);
 } eda_mask_access;
