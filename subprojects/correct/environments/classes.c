@@ -315,6 +315,7 @@ int correct_classes_restore(const classes_request *r,
     return code;
   }
   code = eda_chip_mask_restore(c, folder, mask, error);
-  if (!code) correct_classes_access(*mask, source);
-  return code;
+  if (code) return code;
+  correct_classes_access(*mask, source);
+  return prepare_models(r, ((const eda_mask *)*mask)->gates, error);
 }
