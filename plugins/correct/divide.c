@@ -170,13 +170,26 @@ static int is_accurate(const correct *c) {
   return c->with.fine > 0 && litho->image_fine;
 }
 
+/* Return the error of a layout without the layers of transistors. */
+static int divide_check_layers(const correct *c, int32_t top,
+                               opc_error *error) {
+  static const eda_box nowhere = {0, 0, 1, 1};
+  eda_segment_settings settings = EDA_SEGMENT_SETTINGS(c);
+  eda_gates *none = NULL;
+  int code =
+      eda_segment_window(c->layout, top, &settings, &nowhere, &none, error);
+  eda_gates_free(none);
+  return code;
+}
+
 int divide_forecast(correct *c, divide_whole *whole, opc_forecast *out,
                     opc_error *error) {
   eda_gates g;
   int32_t top = eda_segment_top(c->layout, c->top, error);
   if (top < 0) return error->code;
   double polygons = divide_polygons(c, top);
-  int code = divide_outline(c, top, polygons, &g, error);
+  int code = divide_check_layers(c, top, error);
+  if (!code) code = divide_outline(c, top, polygons, &g, error);
   if (code) return code;
   whole(c, &g, out);
   const char *obstacle = divide_obstacle(c);
