@@ -296,7 +296,7 @@ static int put_classes(writer *w, mask_layer *layers, opc_error *error) {
                  "of the layout",
                  w->name, eda_layout_cells(layout));
   free(names);
-  eda_layout_free(layout);
+  w->cells = layout;
   return code;
 }
 
@@ -320,6 +320,8 @@ static int put_file(writer *w, opc_error *error) {
   int code = w->mask ? put_mask(w, error) : put_layout(w, w->layout, error);
   if (!code) w->format->end(w);
   if (w->format->clear) w->format->clear(w);
+  eda_layout_free(w->cells);
+  w->cells = NULL;
   errno = 0;
   int failed = ferror(w->file) | fclose(w->file);
   if (!code && failed)
