@@ -61,11 +61,11 @@ static eda_gates *rectangles_new(const check *c) {
   for (size_t i = 0; i < d->count; i++) lengths += (size_t)length_used(c, i);
   eda_gates *g = eda_gates_new(2, TYPES * (d->narrow + 1) * lengths);
   g->grid = 1;
-  for (uint8_t type = 0; type < TYPES; type++)
+  for (int type = 0; type < TYPES; type++)
     for (size_t k = 0; k <= d->narrow; k++)
       for (size_t i = 0; i < d->count; i++) {
         if (!length_used(c, i)) continue;
-        g->type[at] = type;
+        g->type[at] = (uint8_t)type;
         g->length[at] = d->length[i];
         g->width[at] = width_of(d, k);
         g->extension[2 * at] = g->extension[2 * at + 1] = 100;
