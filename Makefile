@@ -29,7 +29,7 @@ $(BUILD)/build.ninja:
 	@rm -f $(BUILD).log
 
 test: build
-	@tools/install-packages zsh groff qemu-user python3-jsonschema ngspice iverilog
+	@tools/install-packages zsh groff qemu-user python3-jsonschema ngspice iverilog python3-numpy
 	@tools/run-tests $(BUILD)
 
 bench: build

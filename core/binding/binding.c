@@ -301,6 +301,7 @@ void opc_binding_set(opc_binding *b, size_t i, const void *object) {
 
 const void *opc_binding_service(const opc_host *host, const char *name) {
   const opc_binding *b = host->data;
+  if (!strcmp(name, OPC_DESCRIPTOR)) return b ? b->plugin : NULL;
   if (!strcmp(name, OPC_INNER))
     return b && b->inner ? b->nested->service : NULL;
   return strcmp(name, OPC_PIECES) ? NULL : &opc_pieces_alone;

@@ -10,6 +10,7 @@
 #define OPC_KIND_STEP "step"
 #define OPC_KIND_COMMAND "command"
 #define OPC_KIND_KIND "kind"
+#define OPC_KIND_LOADER "loader"
 
 /* Return the number of outputs of a step plugin; 0 for other kinds. */
 size_t opc_port_count(const opc_plugin *plugin);

@@ -12,6 +12,8 @@
 static const opc_function step_functions[] = {OPC_FUNCTION(opc_step, run)};
 static const opc_function command_functions[] = {
     OPC_FUNCTION(opc_command, run)};
+static const opc_function loader_functions[] = {
+    OPC_FUNCTION(opc_loader, load), OPC_FUNCTION(opc_loader, files)};
 
 static const struct {
   const char *name;
@@ -22,6 +24,10 @@ static const struct {
       .n_functions = G_N_ELEMENTS(command_functions),
       .functions = command_functions}},
     {OPC_KIND_KIND, {.functions_size = sizeof(opc_kind)}},
+    {OPC_KIND_LOADER,
+     {.functions_size = sizeof(opc_loader),
+      .n_functions = G_N_ELEMENTS(loader_functions),
+      .functions = loader_functions}},
     {OPC_KIND_STEP,
      {.functions_size = sizeof(opc_step),
       .n_functions = G_N_ELEMENTS(step_functions),

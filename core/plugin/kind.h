@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kinds of plugins: step, command and kind are built in, the others are
+/* Kinds of plugins: step, command, kind and loader are built in, the others are
    declared by plugins "kind.NAME" (opcflow/kind.h). */
 #pragma once
 

@@ -20,6 +20,7 @@ typedef struct loaded {
 
 struct opc_registry {
   GPtrArray *folders; /* char * */
+  GPtrArray *endings; /* char *: of plugin files, ".so" first */
   GHashTable *seen;   /* id -> loaded */
 };
 
@@ -71,6 +72,19 @@ static void add_standard_folders(opc_registry *registry) {
   if (own) add_folder(registry, own);
 }
 
+/* Add the ending ".EXT" for each file loader.EXT.so of a folder. */
+static void add_endings(opc_registry *registry, const char *folder) {
+  g_autoptr(GPtrArray) names = opc_folder_names(folder);
+  for (guint i = 0; names && i < names->len; i++) {
+    const char *name = names->pdata[i];
+    if (g_str_has_prefix(name, OPC_KIND_LOADER ".") &&
+        g_str_has_suffix(name, ".so"))
+      g_ptr_array_add(registry->endings,
+                      g_strndup(name + strlen(OPC_KIND_LOADER),
+                                strlen(name) - strlen(OPC_KIND_LOADER ".so")));
+  }
+}
+
 static void loaded_free(gpointer item) {
   loaded *l = item;
   g_free(l->path);
@@ -81,6 +95,8 @@ static void loaded_free(gpointer item) {
 opc_registry *opc_registry_new(const char *const *folders) {
   opc_registry *registry = g_new0(opc_registry, 1);
   registry->folders = g_ptr_array_new_with_free_func(g_free);
+  registry->endings = g_ptr_array_new_with_free_func(g_free);
+  g_ptr_array_add(registry->endings, g_strdup(".so"));
   registry->seen =
       g_hash_table_new_full(g_str_hash, g_str_equal, g_free, loaded_free);
   for (; folders && *folders; folders++)
@@ -89,12 +105,15 @@ opc_registry *opc_registry_new(const char *const *folders) {
   g_auto(GStrv) parts = g_strsplit(list ? list : "", ":", -1);
   for (guint i = 0; parts[i]; i++) add_folder(registry, g_strdup(parts[i]));
   add_standard_folders(registry);
+  for (guint i = 0; i < registry->folders->len; i++)
+    add_endings(registry, registry->folders->pdata[i]);
   return registry;
 }
 
 void opc_registry_free(opc_registry *registry) {
   if (!registry) return;
   g_ptr_array_free(registry->folders, TRUE);
+  g_ptr_array_free(registry->endings, TRUE);
   g_hash_table_destroy(registry->seen);
   g_free(registry);
 }
@@ -131,42 +150,78 @@ static void explain_version(const opc_plugin *plugin, char **reason) {
       OPC_ABI_MINOR);
 }
 
-const opc_plugin *opc_plugin_load(opc_registry *registry, const char *path,
-                                  const char *id, char **reason) {
-  *reason = NULL;
+static GHashTable *loaders; /* id of a plugin (address) -> its loader */
+
+static const opc_plugin *ask_loader(opc_registry *registry, const char *path,
+                                    const char *id, char **reason) {
+  opc_error error = {0};
+  g_autofree char *name =
+      g_strconcat(OPC_KIND_LOADER, strrchr(path, '.'), NULL);
+  const opc_plugin *loader = opc_registry_find(registry, name, &error);
+  const opc_loader *functions = loader ? loader->functions : NULL;
+  const opc_plugin *plugin =
+      functions ? functions->load(path, id, &error) : NULL;
+  if (!plugin) *reason = g_strdup(error.message);
+  if (!loaders) loaders = g_hash_table_new(NULL, NULL);
+  if (plugin)
+    g_hash_table_insert(loaders, (gpointer)plugin->id, (gpointer)loader);
+  return plugin;
+}
+
+const opc_plugin *opc_plugin_loader(const opc_plugin *plugin) {
+  return loaders ? g_hash_table_lookup(loaders, plugin->id) : NULL;
+}
+
+/* Return the descriptor of a shared object, opened as *object; NULL and *reason
+   on failure. */
+static const opc_plugin *read_object(const char *path, const char *id,
+                                     void **object, char **reason) {
   g_autofree char *whole = g_canonicalize_filename(path, NULL);
   const char *before = start_loading(path, id);
-  void *object = dlopen(whole, RTLD_NOW | RTLD_LOCAL);
+  *object = dlopen(whole, RTLD_NOW | RTLD_LOCAL);
   end_loading(before);
-  if (!object) {
+  if (!*object) {
     *reason = g_strdup(dlerror());
     return NULL;
   }
   opc_plugin_entry entry;
-  void *symbol = dlsym(object, OPC_ENTRY_NAME);
+  void *symbol = dlsym(*object, OPC_ENTRY_NAME);
   if (!symbol) {
     *reason = g_strdup("missing function " OPC_ENTRY_NAME "()");
-    dlclose(object);
     return NULL;
   }
   memcpy(&entry, &symbol, sizeof entry);
   before = start_loading(path, id);
-  opc_plugin *plugin = opc_plugin_copy(entry(), reason);
+  const opc_plugin *plugin = entry();
+  end_loading(before);
+  return plugin;
+}
+
+const opc_plugin *opc_plugin_load(opc_registry *registry, const char *path,
+                                  const char *id, char **reason) {
+  void *object = NULL;
+  *reason = NULL;
+  const opc_plugin *theirs = g_str_has_suffix(path, ".so")
+                                 ? read_object(path, id, &object, reason)
+                                 : ask_loader(registry, path, id, reason);
+  const char *before = start_loading(path, id);
+  opc_plugin *plugin = *reason ? NULL : opc_plugin_copy(theirs, reason);
   if (!*reason) *reason = opc_plugin_fault(plugin, id);
   end_loading(before);
   if (!*reason) *reason = opc_functions_adopt(registry, plugin);
   if (!*reason) return opc_timeout_add(plugin);
   explain_version(plugin, reason);
-  dlclose(object);
+  if (object) dlclose(object);
   return NULL;
 }
 
 static loaded *look_for(opc_registry *registry, const char *id) {
   loaded *l = g_new0(loaded, 1);
   if (!opc_is_id(id)) return l;
-  g_autofree char *file = g_strconcat(id, ".so", NULL);
-  for (guint i = 0; i < registry->folders->len && !l->path; i++) {
-    l->path = g_build_filename(registry->folders->pdata[i], file, NULL);
+  guint n = registry->endings->len;
+  for (guint i = 0; i < registry->folders->len * n && !l->path; i++) {
+    l->path = g_strconcat(registry->folders->pdata[i / n], "/", id,
+                          registry->endings->pdata[i % n], NULL);
     if (!g_file_test(l->path, G_FILE_TEST_EXISTS))
       g_clear_pointer(&l->path, g_free);
   }
@@ -193,6 +248,17 @@ static gint compare_candidates(gconstpointer a, gconstpointer b) {
                 (*(opc_candidate *const *)b)->id);
 }
 
+char *opc_registry_id(const opc_registry *registry, const char *path) {
+  char *id = g_path_get_basename(path);
+  for (guint i = 0; i < registry->endings->len; i++) {
+    const char *ending = registry->endings->pdata[i];
+    if (!g_str_has_suffix(id, ending)) continue;
+    id[strlen(id) - strlen(ending)] = 0;
+    break;
+  }
+  return id;
+}
+
 /* Return all candidates whose ids begin with `prefix`, not yet tried. */
 static GPtrArray *list_candidates(const opc_registry *registry,
                                   const char *prefix) {
@@ -202,11 +268,14 @@ static GPtrArray *list_candidates(const opc_registry *registry,
     g_autoptr(GPtrArray) names = opc_folder_names(folder);
     for (guint j = 0; names && j < names->len; j++) {
       const char *name = names->pdata[j];
-      if (!g_str_has_prefix(name, prefix) || !g_str_has_suffix(name, ".so") ||
-          *name == '.')
+      char *id = opc_registry_id(registry, name);
+      if (!g_str_has_prefix(name, prefix) || *name == '.' ||
+          !strcmp(id, name)) {
+        g_free(id);
         continue;
+      }
       opc_candidate *c = g_new0(opc_candidate, 1);
-      c->id = g_strndup(name, strlen(name) - 3);
+      c->id = id;
       c->path = g_build_filename(folder, name, NULL);
       g_ptr_array_add(list, c);
     }

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Search and loading of plugins. The plugin ID is the file ID.so in the first
-   folder of the search order that has this file. */
+/* Search and loading of plugins. The plugin ID is the file ID.so, or
+   ID.EXT with a plugin loader.EXT, in the first folder of the search order that
+   has such a file. */
 #pragma once
 
 #include <glib.h>
+#include <opcflow/loader.h>
 #include <opcflow/opcflow.h>
 
 /* A plugin file in a folder, usable or not. */
@@ -43,6 +45,13 @@ char *opc_find_installed(const char *in, const char *name);
 const opc_plugin *opc_registry_find(opc_registry *registry, const char *id,
                                     opc_error *error);
 
+/* Return the id of the plugin in a file: the file name without the ending of
+   plugin files (g_free). */
+char *opc_registry_id(const opc_registry *registry, const char *path);
+
+/* Return the loader of a plugin; NULL for a plugin in a shared object. */
+const opc_plugin *opc_plugin_loader(const opc_plugin *plugin);
+
 /* Return the path of the file that a plugin was loaded from. */
 const char *opc_registry_path(const opc_registry *registry,
                               const opc_plugin *plugin);
@@ -61,7 +70,7 @@ GPtrArray *opc_registry_usable(opc_registry *registry, const char *prefix,
    (char *, freed with the array). No plugin is loaded. */
 GPtrArray *opc_registry_ids(const opc_registry *registry, const char *prefix);
 
-/* Load a shared object and check the descriptor. Returns NULL and *reason
+/* Load a plugin file and check the descriptor. Returns NULL and *reason
    (g_free) on failure. */
 const opc_plugin *opc_plugin_load(opc_registry *registry, const char *path,
                                   const char *id, char **reason);

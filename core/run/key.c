@@ -180,7 +180,16 @@ static void add_inner(keyer *k, const opc_binding *b) {
 
 static void add_instance(keyer *k, const opc_binding *b) {
   g_autofree char *path = place_of(k, b, "");
-  add_build(k, OPC_FACT_PLUGIN, path, b->plugin->id, b->plugin);
+  const opc_plugin *loader = opc_plugin_loader(b->plugin);
+  add_build(k, OPC_FACT_PLUGIN, path, b->plugin->id,
+            loader ? loader : b->plugin);
+  const opc_loader *functions = loader ? loader->functions : NULL;
+  const char *const *files = loader ? functions->files(b->plugin->id) : NULL;
+  for (; files && *files; files++) {
+    g_autofree char *name = g_path_get_basename(*files);
+    g_autofree char *its = g_strdup_printf("%s of %s", name, path);
+    add_file(k, its, *files);
+  }
   if (!(b->plugin->flags & OPC_DETERMINISTIC))
     keyer_exclude(
         k, g_strdup_printf("%s does not promise equal results for equal inputs",

@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Makes the descriptor of a plugin from the description that its class in
+   Python returns: {"kind", "summary", "parameters": [...], "metrics": [...],
+   "methods": [...], "files": [...]}. */
+#include <string.h>
+
+#include "py.h"
+
+/* Time limit of the description, and default time limit of a call, s. */
+static const double describe_limit = 10;
+static const char call_limit[] = "3600 s";
+
+enum { ALIGNMENT = 16 }; /* of fields, bytes: that of all their C types */
+
+/* ---- members ---- */
+
+static const char *text_of(JsonObject *o, const char *name) {
+  JsonNode *node = json_object_get_member(o, name);
+  return node && JSON_NODE_HOLDS_VALUE(node) ? json_node_get_string(node)
+                                             : NULL;
+}
+
+static double number_of(JsonObject *o, const char *name) {
+  JsonNode *node = json_object_get_member(o, name);
+  return node && JSON_NODE_HOLDS_VALUE(node) ? json_node_get_double(node) : 0;
+}
+
+/* Return an empty array if there is no member. */
+static JsonArray *array_of(JsonObject *o, const char *name) {
+  if (!json_object_has_member(o, name))
+    json_object_set_array_member(o, name, json_array_new());
+  return json_object_get_array_member(o, name);
+}
+
+int py_defines(const py_plugin *plugin, const char *method) {
+  JsonArray *all = array_of(json_node_get_object(plugin->about), "methods");
+  for (guint i = 0; i < json_array_get_length(all); i++)
+    if (!strcmp(json_array_get_string_element(all, i), method)) return 1;
+  return 0;
+}
+
+/* ---- parameters and metrics ---- */
+
+/* Types of parameters, with the size of the field; slots are not supported. */
+static const struct {
+  const char *name;
+  uint32_t type;
+  size_t width;
+} types[] = {{"bool", OPC_BOOL, sizeof(int)},
+             {"int", OPC_INT, sizeof(int64_t)},
+             {"real", OPC_REAL, sizeof(double)},
+             {"text", OPC_TEXT, sizeof(char *)},
+             {"choice", OPC_CHOICE, sizeof(int)},
+             {"file", OPC_FILE, sizeof(char *)},
+             {"output", OPC_OUTPUT, sizeof(char *)},
+             {"reals", OPC_REALS, sizeof(opc_reals)},
+             {"map", OPC_MAP, sizeof(opc_map)},
+             {"input", OPC_INPUT, sizeof(void *)}};
+
+static uint32_t flags_of(JsonObject *o) {
+  static const struct {
+    const char *name;
+    uint32_t flag;
+  } flags[] = {{"required", OPC_REQUIRED}, {"at_least", OPC_AT_LEAST},
+               {"above", OPC_ABOVE},       {"at_most", OPC_AT_MOST},
+               {"below", OPC_BELOW},       {"no_effect", OPC_NO_EFFECT}};
+  uint32_t all = 0;
+  JsonArray *names = array_of(o, "flags");
+  for (guint i = 0; i < json_array_get_length(names); i++)
+    for (size_t k = 0; k < G_N_ELEMENTS(flags); k++)
+      if (!strcmp(json_array_get_string_element(names, i), flags[k].name))
+        all |= flags[k].flag;
+  return all;
+}
+
+/* Fill a parameter whose field is at *offset, and move *offset behind it. */
+static int parameter_set(opc_parameter *p, JsonObject *o, size_t *offset,
+                         opc_error *error) {
+  const char *type = text_of(o, "type");
+  for (size_t i = 0; i < G_N_ELEMENTS(types); i++) {
+    if (!type || strcmp(type, types[i].name)) continue;
+    *p = (opc_parameter){.name = text_of(o, "name"),
+                         .type = types[i].type,
+                         .flags = flags_of(o),
+                         .unit = text_of(o, "unit"),
+                         .preset = text_of(o, "preset"),
+                         .min = number_of(o, "min"),
+                         .max = number_of(o, "max"),
+                         .choices = text_of(o, "choices"),
+                         .summary = text_of(o, "summary"),
+                         .former = text_of(o, "former"),
+                         .follows = text_of(o, "follows"),
+                         .offset = *offset,
+                         .width = types[i].width};
+    *offset += ALIGNMENT;
+    return OPC_OK;
+  }
+  return opc_fail(error, OPC_NO_PLUGIN, NULL,
+                  "parameter '%s' has the unknown type '%s'",
+                  text_of(o, "name"), type ? type : "");
+}
+
+static int parameters_set(opc_plugin *d, JsonObject *about, opc_error *error) {
+  JsonArray *list = array_of(about, "parameters");
+  guint n = json_array_get_length(list);
+  size_t offset = (sizeof(py_instance) + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+  opc_parameter *all = g_new0(opc_parameter, n + 1);
+  int code = OPC_OK;
+  for (guint i = 0; i < n && !code; i++)
+    code = parameter_set(&all[i], json_array_get_object_element(list, i),
+                         &offset, error);
+  all[n] =
+      (opc_parameter){.name = "call_limit",
+                      .type = OPC_REAL,
+                      .flags = OPC_ABOVE | OPC_NO_EFFECT,
+                      .unit = "s",
+                      .preset = call_limit,
+                      .summary = "time limit of one call of a Python function",
+                      OPC_FIELD(py_instance, call_limit)};
+  d->parameters = all;
+  d->n_parameters = n + 1;
+  d->parameter_size = sizeof *all;
+  d->instance_size = offset;
+  return code;
+}
+
+static void metrics_set(opc_plugin *d, JsonObject *about) {
+  JsonArray *list = array_of(about, "metrics");
+  guint n = json_array_get_length(list);
+  opc_metric *all = g_new0(opc_metric, n + 1);
+  for (guint i = 0; i < n; i++) {
+    JsonObject *o = json_array_get_object_element(list, i);
+    const char *better = text_of(o, "better");
+    all[i] =
+        (opc_metric){.name = text_of(o, "name"),
+                     .unit = text_of(o, "unit"),
+                     .better = !g_strcmp0(better, "lower")    ? OPC_LOWER
+                               : !g_strcmp0(better, "higher") ? OPC_HIGHER
+                                                              : OPC_NEUTRAL,
+                     .tolerance = number_of(o, "tolerance"),
+                     .summary = text_of(o, "summary")};
+  }
+  d->metrics = all;
+  d->n_metrics = n;
+  d->metric_size = sizeof *all;
+}
+
+/* ---- the descriptor ---- */
+
+static void files_set(py_plugin *plugin, JsonObject *about) {
+  JsonArray *list = array_of(about, "files");
+  guint n = json_array_get_length(list);
+  plugin->files = g_new0(const char *, n + 1);
+  for (guint i = 0; i < n; i++)
+    plugin->files[i] = json_array_get_string_element(list, i);
+}
+
+int py_functions_set(py_plugin *plugin, const char *kind) {
+  static const struct {
+    const char *kind;
+    void (*set)(py_plugin *plugin);
+  } all[] = {{"synthesizer", py_synthesizer_set},
+             {"extractor", py_extractor_set},
+             {"resist", py_resist_set},
+             {"step", py_step_set}};
+  for (size_t i = 0; i < G_N_ELEMENTS(all); i++) {
+    if (g_strcmp0(kind, all[i].kind)) continue;
+    all[i].set(plugin);
+    return 1;
+  }
+  return 0;
+}
+
+static int descriptor_set(py_plugin *plugin, opc_error *error) {
+  JsonObject *about = json_node_get_object(plugin->about);
+  opc_plugin *d = &plugin->descriptor;
+  *d = (opc_plugin){
+      .abi_major = OPC_ABI_MAJOR,
+      .abi_minor = OPC_ABI_MINOR,
+      .size = sizeof *d,
+      .id = plugin->id,
+      .kind = text_of(about, "kind"),
+      .version = text_of(about, "version"),
+      .licence = text_of(about, "licence"),
+      .summary = text_of(about, "summary"),
+      .flags = OPC_REENTRANT | (json_object_get_boolean_member_with_default(
+                                    about, "deterministic", FALSE)
+                                    ? OPC_DETERMINISTIC
+                                    : 0),
+      .check = py_check,
+      .clear = py_clear};
+  if (!py_functions_set(plugin, d->kind))
+    return opc_fail(error, OPC_NO_PLUGIN, NULL,
+                    "plugins of the kind '%s' cannot be written in Python",
+                    d->kind ? d->kind : "");
+  metrics_set(d, about);
+  files_set(plugin, about);
+  return parameters_set(d, about, error);
+}
+
+/* Ask a process for the description of the plugin. */
+static int describe_ask(py_plugin *plugin, opc_error *error) {
+  py_worker *w = py_worker_start(plugin->path, plugin->id, error);
+  if (!w) return error->code;
+  py_request(w, "describe");
+  int code = py_call(w, NULL, describe_limit, NULL, error);
+  if (!code)
+    plugin->about = json_node_init_object(
+        json_node_alloc(), json_object_get_object_member(py_reply(w), "about"));
+  py_worker_free(w);
+  return code ? code : descriptor_set(plugin, error);
+}
+
+const opc_plugin *py_describe(const char *path, const char *id,
+                              opc_error *error) {
+  py_plugin *plugin = g_new0(py_plugin, 1);
+  plugin->path = g_strdup(path);
+  int code = OPC_OK;
+  if (g_strlcpy(plugin->id, id, sizeof plugin->id) >= sizeof plugin->id)
+    code =
+        opc_fail(error, OPC_NO_PLUGIN, NULL,
+                 "the id has more than %zu characters", sizeof plugin->id - 1);
+  if (!code) code = describe_ask(plugin, error);
+  if (!code) return &plugin->descriptor;
+  if (plugin->about) json_node_unref(plugin->about);
+  g_free(plugin->path);
+  g_free(plugin);
+  return NULL;
+}

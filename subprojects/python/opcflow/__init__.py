@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Plugins for opcflow in Python.
+
+A file KIND.NAME.py on the plugin path defines one subclass of Synthesizer, Extractor,
+Resist or Step. NumPy is the only dependency.
+"""
+from .data import (ACTIVE, END, NMOS, OPEN, PARTS, PMOS, POLY, VETO_LONGER, VETO_NARROWER,
+                   VETO_SHORTER, VETO_WIDER)
+from .parameters import (Invalid, boolean, choice, file, integer, mapping, metric, output, real,
+                         reals, text)
+from .plugins import Extractor, Resist, Step, Synthesizer, gates_input, mask_input
+
+__all__ = ["ACTIVE", "END", "NMOS", "OPEN", "PARTS", "PMOS", "POLY", "VETO_LONGER",
+           "VETO_NARROWER", "VETO_SHORTER", "VETO_WIDER", "Invalid", "boolean", "choice", "file",
+           "integer", "mapping", "metric", "output", "real", "reals", "text", "Extractor",
+           "Resist", "Step", "Synthesizer", "gates_input", "mask_input"]

@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The process that executes one plugin instance. The host starts the process with a socket at
+descriptor 3, and a second socket at descriptor 4 whose other end closes with the host."""
+import faulthandler
+import fcntl
+import importlib.util
+import json
+import mmap
+import os
+import signal
+import socket
+import sys
+import traceback
+
+import numpy as np
+
+from .data import TYPES
+from .plugins import Plugin
+
+TALK, LIFE = 3, 4
+HERE = os.path.dirname(os.path.abspath(__file__))
+
+
+def follow_host():
+    """End with the host: the kernel sends SIGIO, whose default action ends the process, when
+    the other end of the socket closes."""
+    fcntl.fcntl(LIFE, fcntl.F_SETOWN, os.getpid())
+    fcntl.fcntl(LIFE, fcntl.F_SETFL, fcntl.fcntl(LIFE, fcntl.F_GETFL) | os.O_ASYNC)
+
+
+def load(path, id):
+    """Return the class of the plugin that the file defines."""
+    spec = importlib.util.spec_from_file_location("opcflow_plugin_" + id.replace(".", "_"), path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    sys.path.insert(1, os.path.dirname(path))
+    spec.loader.exec_module(module)
+    found = [c for c in vars(module).values()
+             if isinstance(c, type) and issubclass(c, Plugin) and c.__module__ == spec.name]
+    if len(found) != 1:
+        raise TypeError("expected one plugin class, found %d" % len(found))
+    return found[0]
+
+
+def sources(path):
+    """Return the files that determine the results: the plugin, the modules beside the plugin,
+    this package, the interpreter, and the version of NumPy."""
+    beside = os.path.dirname(path) + os.sep
+    files = {path, os.path.realpath(sys.executable), sys.modules["numpy.version"].__file__}
+    for module in list(sys.modules.values()):
+        file = getattr(module, "__file__", None)
+        if file and (os.path.abspath(file).startswith(beside)):
+            files.add(os.path.abspath(file))
+    files.update(os.path.join(HERE, name) for name in os.listdir(HERE) if name.endswith(".py"))
+    return sorted(files)
+
+
+class Memory:
+    """Memory that the host shares; arrays are views without a copy."""
+
+    def __init__(self):
+        self.file, self.map, self.idle = -1, None, 0
+
+    def open(self, size, file=None):
+        """Map `size` bytes of a new file or, if larger than before, of the present one."""
+        if file is not None:
+            if self.file >= 0:
+                os.close(self.file)
+            self.file, self.map = file, None
+        if self.map is None or len(self.map) < size:
+            self.map = mmap.mmap(self.file, size)
+            self.idle = sys.getrefcount(self.map)
+
+    def arrays(self, described):
+        """Return arrays from {name: [type, offset, count]}."""
+        return {name: np.frombuffer(self.map, TYPES[type], count, offset) if count
+                else np.zeros(0, TYPES[type]) for name, (type, offset, count) in described.items()}
+
+    def is_kept(self):
+        """Return whether an array still refers to the memory."""
+        return sys.getrefcount(self.map) > self.idle
+
+    def add(self, arrays, used):
+        """Append arrays after `used` bytes and return their description."""
+        described = {}
+        for name, array in arrays.items():
+            array = np.ascontiguousarray(array, np.float64)
+            used = (used + 63) // 64 * 64
+            if used + array.nbytes > len(self.map):
+                size = 2 * (used + array.nbytes)
+                os.ftruncate(self.file, size)
+                self.map = None
+                self.open(size)
+            view = np.frombuffer(self.map, np.float64, array.size, used)
+            view[:] = array.ravel()
+            described[name] = ["f8", used, array.size]
+            used += array.nbytes
+        return described
+
+
+class Channel:
+    """Lines of JSON on the socket, with the descriptor of new shared memory."""
+
+    def __init__(self, memory):
+        self.socket = socket.socket(fileno=TALK)
+        self.memory, self.input = memory, b""
+
+    def receive(self):
+        """Return the next message, and the descriptor of new memory or None."""
+        file = None
+        parts = [self.input]
+        while b"\n" not in parts[-1]:
+            part, files, _, _ = socket.recv_fds(self.socket, 1 << 16, 1)
+            if not part:
+                os._exit(0)
+            file = files[0] if files else file
+            parts.append(part)
+        line, self.input = b"".join(parts).split(b"\n", 1)
+        return json.loads(line), file
+
+    def send(self, message):
+        self.socket.sendall(json.dumps(message).encode() + b"\n")
+
+    def ask(self, what, **fields):
+        """Send a message during a call, and return the answer of the host."""
+        self.send({"ask": what, **fields})
+        reply, _ = self.receive()
+        if reply.get("error"):
+            raise RuntimeError(reply["error"])
+        return reply.get("answer")
+
+
+def fault(path, error):
+    """Describe an exception: message, place in the plugin's file, traceback."""
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [f for f in frames if not f.filename.startswith(HERE) and f.filename != "<string>"
+           and not f.filename.startswith("<frozen")]
+    inside = [f for f in own if f.filename == path] or own
+    place = "%s:%d" % (os.path.basename(inside[-1].filename), inside[-1].lineno) if inside else ""
+    if isinstance(error, SyntaxError) and error.filename:
+        place = "%s:%s" % (os.path.basename(error.filename), error.lineno)
+    name = type(error).__name__
+    out = {"message": "%s: %s" % (name, error) if str(error) else name, "place": place,
+           "traceback": "".join(["Traceback (most recent call last):\n",
+                                 *traceback.format_list(own),
+                                 *traceback.format_exception_only(type(error), error)]).rstrip()}
+    if hasattr(error, "parameter"):
+        out.update(parameter=error.parameter, message=str(error), place="")
+    return out
+
+
+def call(request, plugin, path, memory):
+    """Execute a request and return the reply."""
+    if request["call"] == "describe":
+        return {"about": {**type(plugin).describe(), "files": sources(path)}}
+    method = getattr(plugin, "call_" + request["call"])
+    reply = method(request["values"], memory.arrays(request["arrays"])) or {}
+    if "arrays" in reply:
+        reply["arrays"] = memory.add(reply["arrays"], request["used"])
+    return reply
+
+
+def serve(path, channel, memory, make):
+    """Answer requests until the host closes the socket."""
+    plugin = None
+    while True:
+        request, file = channel.receive()
+        memory.open(request["size"], file)
+        try:
+            if plugin is None:
+                plugin = make()()
+                plugin.ask = channel.ask
+            reply = call(request, plugin, path, memory)
+        except (Exception, KeyboardInterrupt) as error:
+            reply = {"error": fault(path, error)}
+        reply["kept"] = memory.is_kept()
+        sys.stdout.flush()
+        sys.stderr.flush()
+        channel.send(reply)
+
+
+def main(path, id):
+    """Serve the plugin `id` in the file `path`."""
+    follow_host()
+    faulthandler.enable()
+    faulthandler.register(signal.SIGUSR1)
+    memory = Memory()
+    serve(path, Channel(memory), memory, lambda: load(path, id))

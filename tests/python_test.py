@@ -1,0 +1,226 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Test plugins in Python by the command: synthesizer.pydpb makes the same mask as
+synthesizer.dpb. Changed files are part of the key of kept results. A killed process is
+reported, and no process outlives its host. More kills: KILLS=100 tests/python_test.py"""
+import hashlib
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import traceback
+
+BUILD, SOURCE = os.environ["OPCFLOW_BUILD"], os.environ["OPCFLOW_SOURCE"]
+OPCFLOW = os.path.join(BUILD, "opcflow")
+EXAMPLES = os.path.join(SOURCE, "subprojects", "python", "examples")
+FLOW = """opcflow: 1
+name: small
+steps:
+  layout:
+    use: read.cif
+    file: SOURCE/data/cells65/nand2.cif
+    layers: { poly: CP, active: CA, contact: CC, nwell: CW }
+  gates: { use: segment.transistors, layout: "${layout}", grid: 1 nm }
+  slow: { use: test.slow, gates: "${gates}" }
+"""
+SLOW = '''import os
+import time
+from opcflow import Step, gates_input, metric, real
+
+
+class Slow(Step):
+    """Writes its process number to a file, then waits"""
+    deterministic = True
+    gates = gates_input("transistors")
+    seconds = real("time to wait", unit="s", preset="0 s")
+    count = metric("number of transistors")
+
+    def run(self):
+        with open(os.environ["PID_FILE"], "w") as f:
+            f.write(str(os.getpid()))
+        end = time.monotonic() + self.seconds
+        while time.monotonic() < end:
+            pass
+        self.metric("count", self.gates.count)
+'''
+
+
+def write(path, text):
+    with open(path, "w") as f:
+        f.write(text)
+
+
+def environment(**more):
+    path = os.pathsep.join(["plugins", EXAMPLES, os.environ["OPCFLOW_PLUGIN_PATH"]])
+    return dict(os.environ, OPCFLOW_PLUGIN_PATH=path, PID_FILE="pid", **more)
+
+
+def call(*words, code=0, **more):
+    done = subprocess.run([OPCFLOW, *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          text=True, env=environment(**more))
+    assert done.returncode == code, (words, done.returncode, done.stdout)
+    return done.stdout
+
+
+def pid_of_worker(process):
+    """Wait until the worker of a running command has written its process number."""
+    while process.poll() is None:
+        try:
+            with open("pid") as f:
+                text = f.read()
+            if text:
+                return int(text)
+        except OSError:
+            pass
+        time.sleep(0.005)
+    raise AssertionError("the command ended: %s" % process.communicate()[0])
+
+
+def start(*words):
+    if os.path.exists("pid"):
+        os.remove("pid")
+    return subprocess.Popen([OPCFLOW, "run", "flow.yaml", "--quiet", "--force", "--output", "out/x",
+                             *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                            env=environment())
+
+
+def is_running(pid):
+    """Return whether a process exists and is no zombie."""
+    try:
+        with open("/proc/%d/stat" % pid) as f:
+            return f.read().rsplit(")", 1)[1].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def test_same_mask():
+    """The masks of the C plugin and of the Python plugin have the same bits."""
+    sums = []
+    for name in ("dpb", "pydpb"):
+        call("run", os.path.join(SOURCE, "flows", "dpb.yaml"), "--quiet", "--output", "out/" + name,
+             "--set", "mask.synthesizer.use=synthesizer." + name,
+             "--set", "layout.file=" + os.path.join(SOURCE, "data", "cells65", "sram4.gds"))
+        with open("out/%s/mask.gds" % name, "rb") as f:
+            sums.append(hashlib.sha256(f.read()).hexdigest())
+    assert sums[0] == sums[1], sums
+
+
+def reused(folder, **more):
+    """Run the flow and return whether the step in Python was reused."""
+    call("run", "flow.yaml", "--quiet", "--force", "--output", folder, **more)
+    with open(os.path.join(folder, "manifest.json")) as f:
+        steps = json.load(f)["store"]["results"]
+    return {s["step"]: s["result"] == "reused" for s in steps}["slow"]
+
+
+def test_key():
+    """A result is reused until the file of the plugin or of a module beside it changes."""
+    store = {"OPCFLOW_STORE": os.path.abspath("store")}
+    write("plugins/helper.py", "VALUE = 1\n")
+    write("plugins/test.slow.py", SLOW.replace("import time", "import time\nimport helper", 1))
+    assert not reused("out/key", **store)
+    assert reused("out/key", **store)
+    write("plugins/helper.py", "VALUE = 2\n")
+    assert not reused("out/key", **store)
+    assert reused("out/key", **store)
+    write("plugins/test.slow.py", SLOW)
+    assert not reused("out/key", **store)
+
+
+def test_inspect():
+    """inspect, plugins and check know the plugin; a wrong value is reported with its place."""
+    assert "time to wait" in call("inspect", "test.slow")
+    assert "test.slow" in call("plugins")
+    found = call("check", "flow.yaml", "--set", "slow.seconds=1 nm", code=2)
+    assert "slow.seconds" in found, found
+
+
+def test_kills():
+    """Kill workers at random moments: the command reports the step and the plugin, keeps the
+    earlier run folder, and leaves nothing hidden."""
+    call("run", "flow.yaml", "--quiet", "--output", "out/x")
+    before = open("out/x/manifest.json").read()
+    generator = random.Random(1)
+    for i in range(int(os.environ.get("KILLS", "4"))):
+        process = start("--set", "slow.seconds=20 s")
+        pid = pid_of_worker(process)
+        time.sleep(generator.random() * 0.3)
+        os.kill(pid, signal.SIGKILL)
+        text = process.communicate()[0]
+        assert process.returncode == 4, (i, process.returncode, text)
+        assert "step 'slow' (test.slow)" in text and "signal 9 (Killed) in run" in text, text
+        assert open("out/x/manifest.json").read() == before, i
+        shutil.rmtree("out/x.failed", ignore_errors=True)
+        assert set(os.listdir("out")) <= SHOWN, os.listdir("out")
+
+
+def test_host_killed():
+    """The worker ends with its host, although the worker is in a loop."""
+    process = start("--set", "slow.seconds=60 s")
+    pid = pid_of_worker(process)
+    assert is_running(pid)
+    process.kill()
+    process.wait()
+    end = time.monotonic() + 20
+    while is_running(pid):
+        assert time.monotonic() < end, "the worker outlives its host"
+        time.sleep(0.02)
+
+
+def test_time_limit():
+    """A step that exceeds `timeout` fails; the place in the Python file is logged."""
+    text = call("run", "flow.yaml", "--force", "--output", "out/x", "--set", "slow.seconds=60 s",
+                "--set", "slow.timeout=3 s", code=4)
+    assert "exceeded the time limit of 3 s" in text, text
+    assert "test.slow.py" in text and "in run" in text, text
+
+
+def test_lint():
+    """lint checks a plugin in Python as one in C."""
+    text = call("lint", os.path.join(EXAMPLES, "synthesizer.pydpb.py"))
+    assert "work on several threads" in text and "not checked: nothing" in text, text
+
+
+SHOWN = {"x", "dpb", "pydpb", "key"}
+
+
+def test_kit():
+    """The example's unit test by the test kit, without opcflow."""
+    subprocess.run(["python3", "-B", os.path.join(EXAMPLES, "synthesizer.pydpb_test.py")], check=True,
+                   env=dict(os.environ, PYTHONPATH=os.path.dirname(EXAMPLES)),
+                   stderr=subprocess.DEVNULL)
+
+
+def main():
+    tests = [test_same_mask, test_inspect, test_key, test_kills, test_time_limit,
+             test_host_killed, test_lint, test_kit]
+    print("1..%d" % len(tests))
+    if subprocess.run(["python3", "-c", "import numpy"], stderr=subprocess.DEVNULL).returncode:
+        for i, test in enumerate(tests):
+            print("ok %d %s # SKIP python3 has no NumPy" % (i + 1, test.__name__))
+        return 0
+    failed = 0
+    with tempfile.TemporaryDirectory(prefix="opcflow-python-") as folder:
+        os.chdir(folder)
+        os.mkdir("plugins")
+        write("plugins/test.slow.py", SLOW)
+        write("flow.yaml", FLOW.replace("SOURCE", SOURCE))
+        for i, test in enumerate(tests):
+            try:
+                test()
+                print("ok %d %s" % (i + 1, test.__name__), flush=True)
+            except Exception:
+                failed += 1
+                print("not ok %d %s" % (i + 1, test.__name__))
+                print("".join("# %s\n" % line for line in traceback.format_exc().split("\n")),
+                      flush=True)
+        os.chdir("/")
+    return failed > 0
+
+
+sys.exit(main())
