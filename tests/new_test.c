@@ -488,7 +488,8 @@ static void test_refusals(void) {
   g_assert_cmpint(CALL(command, "new", "plugin"), ==, 2);
   g_assert_cmpint(CALL(command, "new", "plugin", "mine"), ==, 2);
   const char *kinds =
-      "; kinds: command, extractor, kind, litho, regulator, resist, step, "
+      "; kinds: command, extractor, kind, litho, loader, regulator, resist, "
+      "step, "
       "synthesizer";
   g_autofree char *nameless = g_strconcat(
       "error: 'mine' has no kind: use 'opcflow new plugin KIND.mine'", kinds,
