@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Runs of a flow at the points of a sweep. Each step belongs to the level of
-   the last axis that changes the step. Level 0, the trunk: steps that no axis
-   changes; they run once. Level i + 1: steps whose last axis is axis i of
-   layers; they run again if the value of one of the axes 0 to i changes. Last
-   level: steps that a swept parameter changes; they run at each point. */
+/* Runs of a flow at the points of a sweep. Each step belongs to a level, which
+   follows from the last axis of the sweep that changes the step. Level 0, the
+   trunk, has the steps that no axis changes; they run once. Level i + 1 has the
+   steps whose last axis is axis i; they run again if a value of the axes 0 to i
+   changes. The steps of the last level run at each point. */
 #pragma once
 
 #include "core/run/run.h"

@@ -386,8 +386,8 @@ static void test_paraxial(void) {
         eda_field want = image_of(models[m].id, scalar, 0, shapes, 3, narrow);
         eda_field got = image_of(models[m].id, light, 0, shapes, 3, narrow);
         double off = difference(&want, &got, 0);
-        /* Tables blur pupils by the cells of the source; here the source has
-           fewer cells. */
+        /* The tables average the pupil over a cell of the source; here the
+           source has fewer, larger cells. */
         double reach = m == 0 ? 1e-4 : k == 1 || k == 2 ? 4e-3 : 1.5e-3;
         g_test_message("%s %s: %.2g off a scalar image", models[m].id, light,
                        off);
