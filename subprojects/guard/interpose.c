@@ -12,6 +12,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #define EXPORT __attribute__((visibility("default")))
@@ -70,14 +71,10 @@ static struct {
   int (*execveat)(int, const char *, char *const[], char *const[], int);
 } next_exec;
 
-static struct {
-  int (*sigaltstack)(const stack_t *, stack_t *);
-  int (*system)(const char *);
-} next_signal;
+static int (*next_system)(const char *);
 
 __attribute__((constructor)) static void exec_find(void) {
-  find_next("sigaltstack", &next_signal.sigaltstack);
-  find_next("system", &next_signal.system);
+  find_next("system", &next_system);
   find_next("execv", &next_exec.execv);
   find_next("execvp", &next_exec.execvp);
   find_next("execve", &next_exec.execve);
@@ -148,9 +145,10 @@ EXEC_LIST(execle, next_exec.execve(path, words, va_arg(more, char **)))
 
 /* ---- signals ---- */
 
+/* A sanitizer calls this function before constructors run. */
 EXPORT int sigaltstack(const stack_t *stack, stack_t *before) {
   if (stack) guard_stack_check();
-  int code = next_signal.sigaltstack(stack, before);
+  int code = (int)syscall(SYS_sigaltstack, stack, before);
   if (!code && stack && stack->ss_flags & SS_DISABLE) guard_stack_give();
   return code;
 }
@@ -158,7 +156,7 @@ EXPORT int sigaltstack(const stack_t *stack, stack_t *before) {
 /* system() ignores SIGINT while the command runs. */
 EXPORT int system(const char *command) {
   process_ignores_interrupt(1);
-  int code = next_signal.system(command);
+  int code = next_system(command);
   process_ignores_interrupt(-1);
   return code;
 }
