@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # make demo    install what is missing, build, correct our NAND2
-# make test    the same, then run every test
+# make test    install what is missing, build, run every test
 # make bench   the benchmarks; results in build/bench/NAME.json
 # make sanitize  every test under AddressSanitizer and UBSan
 #

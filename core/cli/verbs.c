@@ -45,8 +45,8 @@ void cli_become(const char *program) {
 int cli_run_devel(const cli_verb *verb) {
   g_autofree char *program = opc_find_installed(OPC_LIBEXECDIR, CLI_DEVEL);
   if (program) cli_become(program);
-  return cli_error(CLI_PLUGIN, "cannot run '%s': %s " CLI_DEVEL, verb->name,
-                   program ? "cannot start" : "the program does not exist");
+  return cli_error(CLI_PLUGIN, "cannot run '%s': the program " CLI_DEVEL " %s",
+                   verb->name, program ? "cannot be started" : "is missing");
 }
 
 /* Run the verb: the first word that is not an option. Options are also accepted

@@ -28,7 +28,7 @@ typedef struct opc_levels {
 } opc_levels;
 
 /* Set up the levels above `trunk` and exclude the steps of other levels from
-   the trunk. The caller sets the fields above "set by the functions below". */
+   the trunk. The caller first sets the fields `recipe` to `folder`. */
 void opc_levels_begin(opc_levels *levels, opc_run *trunk);
 
 /* Free all runs but the trunk and remove their folders. */

@@ -74,8 +74,8 @@ static const char *give_path(const opc_host *host, const char *name,
   return NULL;
 }
 
-/* Return NAME.csv (g_free), or STEP.NAME.csv if another step or a parameter
-   uses that name. */
+/* Return NAME.csv (g_free), or STEP.NAME.csv if another step has published
+   a table NAME, or a parameter names an output file NAME.csv. */
 static char *table_file(const opc_run *run, const opc_binding *b,
                         const char *name) {
   char *file = g_strdup_printf("%s.csv", name);

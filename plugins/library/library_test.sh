@@ -152,7 +152,7 @@ check "a mirrored cell by a dipole" is placed unknown 0.0
 dipole "R 0 1"
 code=$?
 check "a turned one: exit 2" exits 2
-check "and says why" says "cell 'nand2' is rotated by 90 degrees, and the optics are not symmetric"
+check "and says why" says "cell 'nand2' is rotated by 90 degrees, and the optics image this orientation differently"
 
 # ---- without prints, and by cheap ones ----
 

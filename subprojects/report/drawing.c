@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the data of mask pictures: polygons, contours of the print and a
-   raster image of its level set, within size limits. */
+   raster image of its level-set function, within size limits. */
 #include <report/drawing.h>
 
 #include <eda/chip.h>
@@ -31,9 +31,10 @@ static const double around = 400; /* margin around a worst transistor, nm */
    this period look coarse. 6e5 pixels take 0.05 s and 0.4 MB. */
 static const double finest_pixel = 16, coarsest_pixel = 48, pixels = 6e5;
 
-/* Largest number of classes around which masks are simulated, 0.05 s each; the
-   page shows ten. Largest number of transistors whose boxes are written, some 2
-   bytes each. */
+/* For a mask by classes (transistors with equal environments share one
+   correction): largest number of classes for which the mask around one member
+   is simulated, 0.05 s each; the page shows ten. Largest number of transistors
+   whose boxes are written, about 2 bytes each. */
 enum { MOST_SIMULATED = 40 };
 static const size_t most_boxes = 4000000;
 
@@ -249,7 +250,8 @@ static void line_follow(line *l, const eda_field *print, const double *a,
   }
 }
 
-/* Append a closed line, opened along the border. */
+/* Append a closed contour without its segments along the border of the window,
+   as one or more open lines. */
 static void add_contour(outlines *o, const eda_field *print, eda_frame w,
                         const double *p, size_t n) {
   enum { DEPTH = 3 };
@@ -325,7 +327,7 @@ static int drawing_contours(const drawing *d, const eda_field *print,
 
 /* ---- work: the image ---- */
 
-/* Level set of the poly, in rows from the bottom. */
+/* Samples of the level-set function of the poly, in rows from the bottom. */
 typedef struct image {
   const eda_field *print;
   double x0, y0, pixel;
@@ -344,7 +346,8 @@ static void sample_row(void *data, size_t j) {
   free(x);
 }
 
-/* Write 255 grey values, 128 at the printed edge. */
+/* Write a byte for each pixel: grey values 1 to 255, 128 at the printed edge.
+ */
 static void write_levels(const drawing *d, const image *m) {
   size_t n = m->columns * m->rows;
   uint8_t *grey = eda_alloc(n, sizeof *grey);

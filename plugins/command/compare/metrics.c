@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Compares metrics of runs: a verdict for each metric, and sums over cases. */
+/* Compares metrics of runs: a verdict for each metric of each case; means,
+   median changes and counts of verdicts over the cases. */
 #include <eda/median.h>
 #include <eda/words.h>
 #include <math.h>
@@ -112,13 +113,15 @@ static int by_choice(const void *a, const void *b, void *data) {
   if (c->sort == SORT_CHANGE)
     order = (row_relative(x) < row_relative(y)) -
             (row_relative(x) > row_relative(y));
-  /* For several runs, rows of the same metric are adjacent. */
+  /* In file order, rows are grouped by case; within a case, order_by_metric has
+     made rows of the same metric adjacent. */
   if (!order && c->sort == SORT_FILE && !c->field.experiment)
     order = strcmp(x->name, y->name);
   return order ? order : (x->order > y->order) - (x->order < y->order);
 }
 
-/* Sort by metric, in the order of the rows of the first pair. */
+/* Set `order` so that a later sort groups rows by metric, in the order in which
+   the metrics first occur. */
 static void order_by_metric(comparison *c) {
   g_autoptr(GHashTable) first = g_hash_table_new(g_str_hash, g_str_equal);
   for (guint i = 0; i < c->rows->len; i++) {

@@ -11,7 +11,8 @@
 #include <string.h>
 
 /* Tolerance when the centres of two boxes are compared, in half grid steps.
-   Each edge may be rounded by half a step in the cell and in the circuit. */
+   Each edge may be rounded by half a step in the cell and in the circuit, and
+   the sums of two edges are compared. */
 enum { NEAR = 4 };
 
 void stitch_init(stitch *s, const eda_gates *gates, double unit) {
@@ -107,17 +108,19 @@ static void take_gate(stitch *s, const entry *e, const turn *t, size_t j,
 
 /* ---- added shapes ---- */
 
-/* Return the offset along an axis, from the rotated cell to the circuit, of the
-   transistor's edge next to an added shape, so that edge and shape stay in
-   contact. */
+/* Return the displacement, along one axis, of a transistor's edge from the
+   rotated cell (low, high) to the circuit (to_low, to_high). The edge is the
+   one nearer to `middle`, the centre of an added shape, so that edge and shape
+   stay in contact. */
 static int32_t edge_offset(int32_t middle, int32_t low, int32_t high,
                            int32_t to_low, int32_t to_high) {
   return 2 * (int64_t)middle > (int64_t)low + high ? to_high - high
                                                    : to_low - low;
 }
 
-/* Copy an added shape of the cell to the circuit. The shape moves with the
-   nearest matched transistor, whose edges were rounded to the grid. */
+/* Copy an added shape or a cut-out of the cell to the circuit. The shape moves
+   with the nearest matched transistor, whose edges were rounded to the grid.
+   Without a matched transistor, the shape is omitted. */
 static void take_box(const stitch *s, const entry *e, const turn *t,
                      const int64_t *match, eda_box box, eda_box_list *to) {
   size_t nearest = e->gates;

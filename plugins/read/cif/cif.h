@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Common header of the files of read.cif.
    A file is read twice by the same parser. The first pass, the survey, finds
-   the symbols with names and scale factors, which determine the unit. The
-   second pass builds the layout. (Mead and Conway, Introduction to VLSI
-   Systems, section 4.5: CIF 2.0.) */
+   the symbols, their names and their scale factors. The scale factors, and odd
+   widths or lengths, determine the unit of the layout. The second pass builds
+   the layout. (Mead and Conway, Introduction to VLSI Systems, section 4.5:
+   CIF 2.0.) */
 #pragma once
 
 #include "../reader.h"
@@ -39,9 +40,9 @@ typedef struct cif {
   GPtrArray *symbols;  /* cif_symbol, in order of first mention */
   size_t mentioned;    /* symbols mentioned in this pass */
   GHashTable *numbers; /* number -> latest mention; symbols.c */
-  GArray *forgotten;   /* cif_forgotten; both members increase */
+  GArray *forgotten;   /* cif_forgotten; both members rise with the index */
 
-  cif_symbol *current;  /* the first one is outside of all symbols */
+  cif_symbol *current;  /* of the command; symbols[0]: outside of all symbols */
   char *layer, *outer;  /* current layer; layer outside of the symbol */
   int32_t layer_number; /* -1: not yet looked up */
   GArray *points;       /* eda_point */
@@ -65,8 +66,8 @@ static inline cif_symbol *cif_symbol_at(const cif *c, size_t i) {
 
 void cif_open(cif *c);
 void cif_clear(cif *c);
-/* Return the symbol with a number at the current place; create the symbol if
-   necessary. */
+/* Return the symbol that a number denotes at the current command; create the
+   symbol if necessary. After DD, a number can be defined again. */
 cif_symbol *cif_symbol_of(cif *c, int64_t number);
 void cif_forget(cif *c, int64_t from);
 /* Start a pass. */

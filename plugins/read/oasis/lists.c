@@ -96,7 +96,8 @@ static void bounds_extend(oasis_repetition *r, int64_t x, int64_t y) {
   if (y > r->high.y) r->high.y = y;
 }
 
-/* Return (n - 1) * step, or BEYOND. */
+/* Return (n - 1) * step, limited to -BEYOND .. BEYOND; BEYOND after an
+   overflow. */
 static int64_t last_offset(uint64_t n, int64_t step) {
   int64_t product;
   if (__builtin_mul_overflow((int64_t)n - 1, step, &product)) return BEYOND;

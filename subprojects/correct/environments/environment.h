@@ -15,13 +15,15 @@ typedef struct environment {
   uint8_t flip;
 } environment;
 
-/* Compute the environments of the gates of a window whose lower left corner is
-   in the core. An environment consists of the shapes of all layers within
-   `radius` grid steps of the gate's box, and of the sizes, type and target of
-   the gate. The window must contain these shapes. `out`, [gates], is not
-   changed for other gates. `orientations`: number of equivalent orientations:
-   8, 4 (no exchange of x and y) or 1. Returns OPC_INVALID if a transistor is
-   too large. Uses all threads; callable from any thread. */
+/* Compute the environments of those gates of a window whose box has its lower
+   left corner in `core`, the part of the window that this call covers. An
+   environment consists of the shapes of all layers within `radius` grid steps
+   of the gate's box, of the gate's type, flavour, sizes and goal, and, unless
+   all 8 orientations are equivalent, of the axis of the gate. The window must
+   contain these shapes. `out`, [gates], is not changed for other gates.
+   `orientations`: number of equivalent orientations: 8, 4 (no exchange of x and
+   y) or 1. Returns OPC_INVALID if a transistor is too large. Uses all threads;
+   callable from any thread. */
 int environments_find(const opc_context *context, const eda_gates *window,
                       eda_box core, int32_t radius, int orientations,
                       environment *out, opc_error *error);

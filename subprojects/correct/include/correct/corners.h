@@ -7,10 +7,12 @@
    changes log(Ion) equally at all corners, the sum of squared deviations of
    log(Ion) is smallest when the geometric mean equals the drawn Ion.
 
-   Unless `free` is set, the mean effect of the corners on all n-transistors and
-   on all p-transistors is not corrected, and nominal Ion stays within
-   `ion_cost`. Flags, images, line ends and the final report are nominal; the
-   history and the trace contain the means. */
+   Unless `free` is set, the mean difference between the corners and the nominal
+   figure, over all transistors of a type, is not corrected. A change of dose
+   would have the same effect. The remaining
+   difference of a transistor is scaled down so that nominal Ion changes by at
+   most `ion_cost`. Flags, images, line ends and the final report refer to the
+   nominal conditions; the history and the trace contain the means. */
 #pragma once
 
 #include <eda/print.h>
@@ -53,8 +55,8 @@ typedef struct corners {
   eda_performance nominal; /* nominal performance of the last simulation */
 } corners;
 
-/* Return OPC_OK, or OPC_INVALID with the parameter's name of the first value,
-   weight or number of corners that is not valid. */
+/* Return OPC_OK, or OPC_INVALID if a value, a weight or the number of corners
+   is not valid; *error names the first such parameter. */
 OPC_EXPORT int correct_corners_check(const corners_request *request,
                                      opc_error *error);
 

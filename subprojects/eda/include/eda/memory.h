@@ -10,9 +10,9 @@ OPC_C_BEGIN
    free with free(). If memory is exhausted, the program aborts. [any] */
 OPC_EXPORT void *eda_alloc(size_t count, size_t size);
 
-/* Enlarge *array (the address of a pointer) to at least `need` elements of
-   `size` bytes, at least by half, and set `capacity` to the new capacity. New
-   elements are not zeroed. Free with free(). [any] */
+/* Enlarge *array (the address of a pointer) to a capacity of at least `need`
+   elements of `size` bytes, and at least 1.5 times the old capacity; set
+   *capacity. New elements are not zeroed. Free with free(). [any] */
 OPC_EXPORT void eda_grow_to(void *array, size_t *capacity, size_t need,
                             size_t size);
 

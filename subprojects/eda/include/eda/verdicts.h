@@ -25,7 +25,7 @@ enum {
   EDA_VERDICT_SAME, /* no significant difference */
   EDA_VERDICT_BETTER,
   EDA_VERDICT_WORSE,
-  EDA_VERDICT_FEW /* too few cells or cases */
+  EDA_VERDICT_FEW /* too few cells for a confidence interval */
 };
 
 /* Change of a figure from a base method to another. Ion, Ioff and area are
@@ -40,8 +40,9 @@ typedef struct eda_change {
                          sums over all cases */
   double change;      /* change from `base` to `value` */
   eda_median median;  /* median of the changes of median.n cells or cases */
-  int64_t n;          /* number of transistors or cases; 0: no run has the
-                         figure */
+  int64_t n;          /* number of transistors or cases that both runs
+                         have; 0: no pair has the figure. EDA_CHANGE_LOST: 1 if
+                         a transistor does not print in a run, else 0 */
   int64_t better, worse, same; /* numbers of transistors or cases */
   int verdict;                 /* EDA_VERDICT_SAME ... */
   const char *word;            /* "same", "better", "worse", "too few" */
@@ -54,15 +55,17 @@ typedef struct eda_run_pair {
 typedef struct eda_verdict {
   char *method, *against;
   eda_change changes[EDA_CHANGES]; /* changes from `against` to `method` */
-  char *text; /* the sentence; begins with the better method */
+  char *text; /* the sentence; begins with the method that is better in the
+                 first decided figure, or with "no verdict on" */
 } eda_verdict;
 
 /* Compute the changes over n pairs of runs, one pair for each case; pairs with
    different transistors are omitted. Ion, Ioff and area are better or worse if
    the confidence interval over cells excludes 0 and the mean has changed in the
-   same direction. The same applies to shots and seconds, over cases; with too
-   few cases, the change of their sum decides (seconds: above 10 %), as for all
-   other figures. The caller calls eda_verdict_clear, also after a failure.
+   same direction. Shots and seconds use the interval over cases. With too few
+   cases for an interval, any change of the sum of shots decides, and a change
+   of the sum of seconds above 10 %. For all other figures, any change of the
+   sum decides. The caller calls eda_verdict_clear, also after a failure.
    Errors: as eda_run_table. [main] */
 OPC_EXPORT int eda_verdict_init(eda_verdict *out, const char *method,
                                 const char *against, size_t n,

@@ -17,7 +17,8 @@ char *opc_file_sha256(const char *path, const opc_context *context,
                       opc_error *error);
 
 /* Write a whole file and replace an existing one. On failure, return OPC_IO and
- *error; the existing file is unchanged. */
+ *error; an existing regular file is then unchanged. A link, device or pipe is
+   written in place. */
 int opc_write_file(const char *path, const char *text, opc_error *error);
 
 /* Function called for each entry of a folder. `name` is the path relative to
