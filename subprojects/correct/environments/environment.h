@@ -18,9 +18,9 @@ typedef struct environment {
 /* Compute the environments of those gates of a window whose box has its lower
    left corner in `core`, the part of the window that this call covers. An
    environment consists of the shapes of all layers within `radius` grid steps
-   of the gate's box, of the gate's type, flavour, sizes and goal, and, unless
-   all 8 orientations are equivalent, of the axis of the gate. The window must
-   contain these shapes. `out`, [gates], is not changed for other gates.
+   of the gate's box, and of the gate's type, flavour, sizes and goal. The axis
+   of the gate is a part unless all 8 orientations are equivalent. The window
+   must contain these shapes. `out`, [gates], is not changed for other gates.
    `orientations`: number of equivalent orientations: 8, 4 (no exchange of x and
    y) or 1. Returns OPC_INVALID if a transistor is too large. Uses all threads;
    callable from any thread. */
