@@ -280,7 +280,7 @@ static int put_mask_layers(writer *w, mask_layer *layers, opc_error *error) {
 /* Write a mask by classes as cells and arrays, without the drawn shapes. */
 static int put_classes(writer *w, mask_layer *layers, opc_error *error) {
   const eda_mask *m = w->mask;
-  eda_layout *layout = NULL;
+  const eda_layout *layout = NULL;
   if (name_mask(w, layers, list_mask(w, layers), error)) return error->code;
   int code = m->access->layout(m, 0, &layout, error);
   if (code) return code;
@@ -296,7 +296,6 @@ static int put_classes(writer *w, mask_layer *layers, opc_error *error) {
                  "of the layout",
                  w->name, eda_layout_cells(layout));
   free(names);
-  w->cells = layout;
   return code;
 }
 
@@ -320,8 +319,6 @@ static int put_file(writer *w, opc_error *error) {
   int code = w->mask ? put_mask(w, error) : put_layout(w, w->layout, error);
   if (!code) w->format->end(w);
   if (w->format->clear) w->format->clear(w);
-  eda_layout_free(w->cells);
-  w->cells = NULL;
   errno = 0;
   int failed = ferror(w->file) | fclose(w->file);
   if (!code && failed)

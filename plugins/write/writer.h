@@ -49,8 +49,7 @@ typedef struct writer {
   const write_format *format; /* set by writer_check */
   const char *path;
   FILE *file;
-  eda_layout *cells; /* of a mask by classes, until the file ends */
-  const char *cell;  /* name of the cell being written */
+  const char *cell; /* name of the cell being written */
   opc_error *error;
   int failed; /* code of the first failure */
 } writer;

@@ -329,7 +329,7 @@ static int count_classes(const counter *c, row *rows, opc_error *error) {
                     "a mask by classes has no array, expected [1, 1]");
   size_t n = 0;
   for (int drawn = 1; drawn >= 0 && !code; drawn--) {
-    eda_layout *cells = NULL;
+    const eda_layout *cells = NULL;
     code = c->mask->access->layout(c->mask, drawn, &cells, error);
     n = 0;
     for (size_t k = 0; k < g->layers && !code; k++) {
@@ -339,7 +339,6 @@ static int count_classes(const counter *c, row *rows, opc_error *error) {
       code = count_cells(c, &r, cells, k, to, error);
       n++;
     }
-    eda_layout_free(cells);
   }
   if (!code) code = publish_tables(c->host, rows, n, 0, error);
   return code ? code : publish_metrics(c->host, rows, n, 0, error);

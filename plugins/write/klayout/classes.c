@@ -97,7 +97,7 @@ static int cells_append(source *s, target *t, opc_error *error) {
 static int put_group(klayout *k, int group, target *t, opc_error *error) {
   static const char *const suffixes[] = {"_DRAWN", ""};
   const eda_mask *m = k->mask;
-  eda_layout *part = NULL;
+  const eda_layout *part = NULL;
   int code = m->access->layout(m, group == DRAWN, &part, error);
   if (code) return code;
   source s = {.from = part, .suffix = suffixes[group]};
@@ -111,7 +111,6 @@ static int put_group(klayout *k, int group, target *t, opc_error *error) {
   }
   code = cells_append(&s, t, error);
   free(s.layer);
-  eda_layout_free(part);
   return code;
 }
 

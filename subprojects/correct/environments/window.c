@@ -128,14 +128,19 @@ static int window_simulate(const eda_mask *mask, const size_t *classes,
 
 /* ---- access ---- */
 
-static int window_layout(const eda_mask *mask, int drawn, eda_layout **out,
-                         opc_error *error) {
+/* Keep the layout in the chip, because several steps request the same one and
+   its search for equal cells takes longer than they do. */
+static int window_layout(const eda_mask *mask, int drawn,
+                         const eda_layout **out, opc_error *error) {
   const classes_source *s = mask->data;
   eda_chip chip = *mask->chip;
+  eda_layout **kept = &mask->chip->hierarchy[drawn];
   if (drawn) chip.mask = eda_alloc(chip.masks, sizeof *chip.mask);
   if (drawn) chip.parts = chip.boxes = 0;
-  int code = hierarchy_make(s->host->context, &chip, out, error);
+  int code =
+      *kept ? OPC_OK : hierarchy_make(s->host->context, &chip, kept, error);
   if (drawn) free(chip.mask);
+  *out = *kept;
   return code;
 }
 

@@ -55,6 +55,9 @@ typedef struct eda_chip {
   eda_chip_mask *mask;
   eda_part *part;
   eda_chip_box *box;
+  /* Shapes of the mask [0] and drawn shapes [1] as cells and arrays, for
+     eda_mask_access; NULL: not made. Freed by eda_chip_free. */
+  eda_layout *hierarchy[2];
 } eda_chip;
 
 /* Free a chip (NULL: do nothing). Check order and indices, and return OPC_OK,

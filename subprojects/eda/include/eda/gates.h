@@ -286,10 +286,11 @@ typedef struct eda_mask_access {
   int (*window)(const struct eda_mask *mask, eda_box core,
                 struct eda_mask **out, opc_error *error);
 
-  /* Make the mask, or the drawn shapes (`drawn` = 1), as a layout of cells and
-     arrays. The caller frees *out. [main] */
-  int (*layout)(const struct eda_mask *mask, int drawn, struct eda_layout **out,
-                opc_error *error);
+  /* Return the mask, or the drawn shapes (`drawn` = 1), as a layout of cells
+     and arrays. The layout is made by the first call and belongs to the mask.
+     [main] */
+  int (*layout)(const struct eda_mask *mask, int drawn,
+                const struct eda_layout **out, opc_error *error);
 
   /* Make a flat mask around n classes, as window does with a core of `reach` nm
      around the transistor of each class. Simulate the contours of these masks
