@@ -300,7 +300,7 @@ static void test_klayout(void) {
   eda_chip *chip = chip_of(layout, g, rand);
   eda_layout *all = flat_layout(chip, g);
   const eda_layout *made = hierarchy_of(chip);
-  write_oasis(made, "made.oas");
+  write_oasis((void *)made, "made.oas");
   write_oasis(all, "flat.oas");
   g_autofree char *answer = ask_klayout();
   if (answer)

@@ -126,7 +126,9 @@ static char *sample_path(const inspector *in, size_t i) {
 static gboolean instance_make(const inspector *in, const opc_parameter *changed,
                               double number, const opc_host *like,
                               opc_problems *problems, opc_instance *made) {
-  g_autofree char *file = sample_path(in, in->sample);
+  size_t n = in->kind->n_samples;
+  g_autofree char *file =
+      sample_path(in, in->sample < 2 * n ? in->sample % n : in->sample);
   report_alive();
   /* Without sample files, pass the path of the plugin itself: `check` does not
      read the content. */
@@ -209,11 +211,15 @@ static const opc_example *find_example(const inspector *in,
 }
 
 /* Return TRUE for the inputs that receive example data: the required ones or,
-   if none is required, the first one. */
+   if none is required, the first one. A sample number of n_samples or more
+   means all inputs. */
 static gboolean is_given(const inspector *in, size_t i) {
   const opc_parameter *p = in->plugin->parameters;
   if (p[i].type != OPC_INPUT) return FALSE;
   if (p[i].flags & OPC_REQUIRED) return TRUE;
+  if (in->kind->n_samples && in->sample != OPC_NO_SAMPLE &&
+      in->sample >= in->kind->n_samples)
+    return TRUE;
   for (size_t k = 0; k < in->plugin->n_parameters; k++)
     if (p[k].type == OPC_INPUT && (k < i || p[k].flags & OPC_REQUIRED))
       return FALSE;
@@ -364,12 +370,13 @@ static void say_digest(inspector *in) {
 }
 
 /* Select the first sample file that the plugin accepts or reads until the time
-   limit. Add a note if there is none. */
+   limit, first with the required inputs only, then with all inputs. Add a note
+   if there is none. */
 static void choose_sample(inspector *in, const char *parameter) {
   inspector nowhere = *in;
   nowhere.out = -1;
   in->sample = OPC_NO_SAMPLE;
-  for (size_t i = 0; i < in->kind->n_samples; i++) {
+  for (size_t i = 0; i < 2 * in->kind->n_samples; i++) {
     nowhere.sample = i;
     g_autofree char *digest = instance_work(&nowhere);
     if (!digest && !is_late(NULL)) continue;

@@ -143,11 +143,17 @@ static int match_netlist(match_task *j, const matcher *m, eda_circuit **out) {
   return match_publish(j, *out);
 }
 
+/* Return whether two segmentations have the same transistors. */
+static int same_gates(const eda_gates *a, const eda_gates *b) {
+  return a == b || (a->count == b->count && a->grid == b->grid &&
+                    !memcmp(a->box, b->box, a->count * sizeof *a->box));
+}
+
 static int match_check(const matcher *m, opc_error *error) {
   if (!m->mask && !m->gates)
     return opc_fail(error, OPC_INVALID, "gates",
                     "set either 'gates' or 'mask'");
-  if (m->mask && m->gates && m->mask->gates != m->gates)
+  if (m->mask && m->gates && !same_gates(m->mask->gates, m->gates))
     return opc_fail(error, OPC_INVALID, "gates",
                     "the mask belongs to other gates");
   return m->mask ? eda_mask_need_flat(m->mask, "netlist.match", error) : OPC_OK;
