@@ -36,7 +36,6 @@ static opc_flow *load_with(const char *text, gssize length,
 static void check_faults(const char *text, const char *expected) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_flow) flow = load_with(text, -1, NULL, problems);
-  (void)flow;
   g_autofree char *found = opc_problems_text(problems);
   g_assert_cmpstr(found, ==, expected);
 }
@@ -364,7 +363,6 @@ static void test_wrong_sets(void) {
                               "abc.\xe7=1",    NULL};
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_flow) flow = load_with(simple, -1, sets, problems);
-  (void)flow;
   g_autofree char *found = opc_problems_text(problems);
   g_assert_cmpstr(
       found, ==,

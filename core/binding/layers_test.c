@@ -501,7 +501,6 @@ static void test_bounds(void) {
   write_file("flow.yaml", many->str);
   g_autoptr(opc_problems) lots = opc_problems_new();
   g_autoptr(opc_flow) flow = opc_flow_load("flow.yaml", NULL, registry(), lots);
-  (void)flow;
   g_assert_cmpuint(lots->list->len, ==, 1000);
   check_text("opcflow: 1\nname: \"\x07\"\n",
              "flow.yaml:2:8: not YAML: the character U+0007");
