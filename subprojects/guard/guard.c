@@ -404,7 +404,7 @@ const char *guard_inside(void) { return me.inside; }
 /* A signal handler cannot wait for the lock. If another thread holds the lock,
    the message names only the plugins of this thread and of the first thread. */
 void guard_end(int code) {
-  static char list[1024];
+  char list[1024] = "";
   int alone = pthread_mutex_trylock(&workers_lock);
   int n = add_name(list, sizeof list, 0, me.inside);
   if (alone)
@@ -463,7 +463,7 @@ static int is_memory_fault(int number) {
 }
 
 static void guard_crash(int number, siginfo_t *info, void *unused) {
-  static char list[1024];
+  char list[1024] = ""; /* of this thread: several may crash at once */
   (void)unused;
   const process_signal *s = process_signals;
   while (s->number != number) s++;

@@ -181,6 +181,41 @@ static void crash_after_other(void) {
   abort();
 }
 
+static void *crash_beside(void *barrier) {
+  guard_enter("bad");
+  pthread_barrier_wait(barrier);
+  raise(SIGSEGV);
+  return NULL;
+}
+
+static const char *const earlier[] = {"a", "b", "c", "d", "e", "f", "g", "h"};
+
+/* Several threads crash at once, after calls of eight plugins. */
+static void crash_together(void) {
+  pthread_barrier_t barrier;
+  pthread_t thread;
+  for (size_t i = 0; i < G_N_ELEMENTS(earlier); i++)
+    guard_leave(guard_enter(earlier[i]));
+  guard_enter("bad");
+  pthread_barrier_init(&barrier, NULL, 8);
+  for (int i = 0; i < 7; i++)
+    pthread_create(&thread, NULL, crash_beside, &barrier);
+  pthread_barrier_wait(&barrier);
+  raise(SIGSEGV);
+}
+
+static void test_together(void) {
+  for (int i = 0; i < 200; i++) {
+    g_autofree char *message = NULL;
+    g_assert_cmpint(guarded_run(crash_together, &message), ==, 4);
+    g_assert_cmpstr(message, ==,
+                    "here: crashed in plugin 'bad': segmentation fault\nnote: "
+                    "plugins called before may have damaged the memory: 'a', "
+                    "'b', 'c', 'd', 'e', 'f', 'g', 'h'; OPCFLOW_GUARD=pages "
+                    "detects more of such writes\n");
+  }
+}
+
 static void crash_outside(void) {
   guard_leave(NULL);
   abort();
@@ -316,6 +351,7 @@ static void test_memory(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/guard/plugins", test_plugins);
+  g_test_add_func("/guard/together", test_together);
   g_test_add_func("/guard/folder", test_folder);
   g_test_add_func("/guard/child", test_child);
   g_test_add_func("/guard/memory", test_memory);
