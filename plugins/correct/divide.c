@@ -62,7 +62,7 @@ static const char *divide_obstacle(const correct *c) {
   if (c->edges) return "'edges'";
   if (c->start.mask) return "'start'";
   if (c->assists.rows || c->search.most) return "assist features";
-  if (correct_corners_images(&c->corners) > 1) return "'corners'";
+  if (correct_corners_count(&c->corners)) return "'corners'";
   return c->trace ? "'trace'" : NULL;
 }
 

@@ -71,6 +71,7 @@ static const opc_parameter parameters[] = {
     CORRECT_PRINT_SLOTS(verify),
     CORRECT_MARGIN(verify),
     CORRECT_FINE(verify),
+    CORRECT_OVERLAY(verify),
 };
 
 static const opc_metric metrics[] = {

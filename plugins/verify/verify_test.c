@@ -135,6 +135,60 @@ static void test_fine(void) {
   release_sample(loop, mask);
 }
 
+/* Displace all shapes of active by grid steps. */
+static void shift_active(eda_shapes *active, int32_t x, int32_t y) {
+  for (size_t i = 0; i < active->start[active->count]; i++) {
+    active->points[i].x += x;
+    active->points[i].y += y;
+  }
+}
+
+/* Move the right end of active to 50 nm from the gates, so that the layout is
+   not symmetric. */
+static void cut_active(eda_shapes *active) {
+  for (size_t i = 0; i < active->start[active->count]; i++)
+    if (active->points[i].x > 200) active->points[i].x = 110;
+}
+
+/* A displaced image of active equals the image of a mask whose active was
+   displaced before the simulation. */
+static void test_overlay(void) {
+  static const int32_t by[][2] = {{10, 0}, {-40, 20}, {30, 0}};
+  opc_module *loop = make_sample("correct", "litho.hopkins",
+                                 ", synthesizer: { use: synthesizer.dpb }, "
+                                 "max_iterations: 2, guard: off");
+  eda_mask *mask = run_step(loop, "gates", eda_gates_sample());
+  cut_active(&mask->shapes[EDA_ACTIVE]);
+  opc_module *aligned = make_sample("verify", "litho.hopkins", "");
+  double largest = 0;
+  for (size_t k = 0; k < G_N_ELEMENTS(by); k++) {
+    g_autofree char *more =
+        g_strdup_printf(", overlay: [%d nm, %d nm]", by[k][0], by[k][1]);
+    opc_module *displaced = make_sample("verify", "litho.hopkins", more);
+    eda_mask *got = run_step(displaced, "mask", mask);
+    shift_active(&mask->shapes[EDA_ACTIVE], by[k][0], by[k][1]);
+    eda_mask *want = run_step(aligned, "mask", mask);
+    shift_active(&mask->shapes[EDA_ACTIVE], -by[k][0], -by[k][1]);
+    for (size_t i = 0; i < mask->gates->count; i++) {
+      g_assert_cmpfloat(fabs(got->after.ion[i] / want->after.ion[i] - 1), <,
+                        2e-4);
+      g_assert_cmpfloat(fabs(got->after.ioff[i] / want->after.ioff[i] - 1), <,
+                        1e-2);
+      largest = fmax(largest, fabs(got->after.ion[i] / mask->after.ion[i] - 1));
+    }
+    release_sample(aligned, want);
+    aligned = make_sample("verify", "litho.hopkins", "");
+    release_sample(displaced, got);
+  }
+  g_assert_cmpfloat(largest, >, 0.01);
+  opc_test_module_free(aligned);
+  release_sample(loop, mask);
+  opc_error error = {0};
+  g_assert_null(
+      try_to_make("verify", "litho.hopkins", ", overlay: [1 nm]", &error));
+  g_assert_nonnull(strstr(error.message, "'overlay' has 1 values, expected 2"));
+}
+
 static void test_words(void) {
   static const char *const wrong[] = {"0", "-1e-4", "0.1", "fast", "1e-4 nm"};
   for (size_t k = 0; k < G_N_ELEMENTS(wrong); k++) {
@@ -153,6 +207,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/verify/again", test_again);
   g_test_add_func("/verify/leakage", test_leakage);
   g_test_add_func("/verify/fine", test_fine);
+  g_test_add_func("/verify/overlay", test_overlay);
   g_test_add_func("/verify/words", test_words);
   return g_test_run();
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements simulations at corners of dose, focus and mask error, and the
-   means over the corners for each transistor. A dose scales an existing image;
-   a focus or a mask error requires an image of its own. */
+/* Implements simulations at corners of dose, focus, mask error and overlay, and
+   the means over the corners for each transistor. A dose scales an existing
+   image, and an overlay displaces an existing image; a focus or a mask error
+   requires an image of its own. */
 #include <correct/corners.h>
 
 #include <eda/memory.h>
@@ -27,10 +28,13 @@ static opc_reals list_or_nominal(opc_reals given) {
   return given.count ? given : nominal_only;
 }
 
-static size_t count_of(const corners_request *w) {
-  if (!w->dose.count && !w->focus.count && !w->mask_error.count) return 0;
-  return list_or_nominal(w->dose).count * list_or_nominal(w->focus).count *
-         list_or_nominal(w->mask_error).count;
+size_t correct_corners_count(const corners_request *w) {
+  if (!w->dose.count && !w->focus.count && !w->mask_error.count &&
+      !w->overlay_x.count && !w->overlay_y.count)
+    return 0;
+  return list_or_nominal(w->dose).count * correct_corners_images(w) *
+         list_or_nominal(w->overlay_x).count *
+         list_or_nominal(w->overlay_y).count;
 }
 
 size_t correct_corners_images(const corners_request *w) {
@@ -61,11 +65,13 @@ static int check_list(const char *name, opc_reals values, double above,
 }
 
 int correct_corners_check(const corners_request *w, opc_error *error) {
-  size_t n = count_of(w);
+  size_t n = correct_corners_count(w);
   double sum = 0;
   if (check_list("corners.dose", w->dose, -100, error) ||
       check_list("corners.focus", w->focus, -1e6, error) ||
-      check_list("corners.mask", w->mask_error, -1e3, error))
+      check_list("corners.mask", w->mask_error, -1e3, error) ||
+      check_list("corners.overlay_x", w->overlay_x, -1e3, error) ||
+      check_list("corners.overlay_y", w->overlay_y, -1e3, error))
     return error->code;
   if (n > MAX_CORNERS)
     return opc_fail(error, OPC_INVALID, "corners.dose",
@@ -89,20 +95,25 @@ int correct_corners_check(const corners_request *w, opc_error *error) {
 static void list_corners(corners *c) {
   opc_reals dose = list_or_nominal(c->request.dose),
             focus = list_or_nominal(c->request.focus),
-            mask = list_or_nominal(c->request.mask_error);
+            mask = list_or_nominal(c->request.mask_error),
+            x = list_or_nominal(c->request.overlay_x),
+            y = list_or_nominal(c->request.overlay_y);
   double sum = 0;
   for (size_t k = 0; k < c->count; k++) {
-    size_t d = k % dose.count, e = k / dose.count;
+    size_t d = k % dose.count, e = k / dose.count % c->exposures;
     size_t f = e % focus.count, m = e / focus.count;
+    size_t o = k / dose.count / c->exposures, i = o % x.count, j = o / x.count;
     corner *one = &c->corner[k];
     one->dose = dose.values[d];
     one->focus = focus.values[f];
     one->mask_error = mask.values[m];
+    one->overlay_x = x.values[i];
+    one->overlay_y = y.values[j];
     one->exposure = e;
-    one->weight =
-        c->request.weight.count
-            ? c->request.weight.values[k]
-            : share_of(dose, d) * share_of(focus, f) * share_of(mask, m);
+    one->weight = c->request.weight.count
+                      ? c->request.weight.values[k]
+                      : share_of(dose, d) * share_of(focus, f) *
+                            share_of(mask, m) * share_of(x, i) * share_of(y, j);
     sum += one->weight;
   }
   for (size_t k = 0; k < c->count; k++) c->corner[k].weight /= sum;
@@ -139,7 +150,7 @@ int correct_corners_begin(loop *l, opc_error *error) {
   corners *c = &l->corners;
   size_t n = l->gates->count;
   int code = OPC_OK;
-  c->count = count_of(&c->request);
+  c->count = correct_corners_count(&c->request);
   if (!c->count) return OPC_OK;
   if (!n)
     return opc_fail(error, OPC_INVALID, "corners.dose",
@@ -150,6 +161,8 @@ int correct_corners_begin(loop *l, opc_error *error) {
   l->printer.keeps = 1;
   list_corners(c);
   eda_performance_init(&c->nominal, n);
+  if (c->request.overlay_x.count || c->request.overlay_y.count)
+    c->extension = eda_alloc(2 * n, sizeof *c->extension);
   for (size_t k = 0; k < c->count; k++)
     eda_measurement_init(&c->corner[k].measured, n);
   for (size_t e = 0; e < c->exposures && !code; e++)
@@ -172,6 +185,7 @@ void correct_corners_clear(loop *l) {
     eda_measurement_clear(&c->corner[k].measured);
   free(c->corner);
   free(c->exposure);
+  free(c->extension);
   eda_performance_clear(&c->nominal);
 }
 
@@ -228,6 +242,7 @@ static int measure_corner(loop *l, corner *c, eda_field *print,
   int code = OPC_OK;
   for (int k = 0; k <= EDA_ACTIVE && !code; k++)
     code = eda_printer_at_dose(printer, k, 1 + c->dose / 100, &print[k], error);
+  if (!code) eda_field_shift(&print[EDA_ACTIVE], c->overlay_x, c->overlay_y);
   if (!code)
     code = eda_measure(l->host->context, l->gates, print, l->extractor,
                        &c->measured, error);
@@ -301,6 +316,25 @@ static void corners_combine(loop *l) {
   free(pull);
 }
 
+/* Set the smallest extension of each line end over the nominal condition and
+   the overlays at nominal dose, focus and mask. */
+static void corners_extend(loop *l) {
+  corners *c = &l->corners;
+  size_t n = 2 * l->gates->count;
+  if (!c->extension) return;
+  memcpy(c->extension, l->measured.extension, n * sizeof *c->extension);
+  for (size_t k = 0; k < c->count; k++) {
+    const corner *one = &c->corner[k];
+    if (one->dose != 0 || one->focus != 0 || one->mask_error != 0) continue;
+    for (size_t i = 0; i < n; i++)
+      c->extension[i] = fmin(c->extension[i], one->measured.extension[i]);
+  }
+}
+
+const double *correct_corners_extension(const loop *l) {
+  return l->corners.extension ? l->corners.extension : l->measured.extension;
+}
+
 int correct_corners_measure(loop *l, opc_error *error) {
   corners *c = &l->corners;
   if (!c->count) return OPC_OK;
@@ -312,13 +346,14 @@ int correct_corners_measure(loop *l, opc_error *error) {
   if (code) return code;
   eda_performance_copy(&c->nominal, &l->measured.performance);
   corners_combine(l);
+  corners_extend(l);
   return OPC_OK;
 }
 
 /* ---- report ---- */
 
 typedef struct row {
-  double dose, focus, mask_error, weight;
+  double dose, focus, mask_error, overlay_x, overlay_y, weight;
   eda_spread s;
   int64_t failed, outside;
 } row;
@@ -326,8 +361,9 @@ typedef struct row {
 static row row_of(const loop *l, const corner *c) {
   eda_spread s = eda_spread_of(l->gates, &l->design, &c->measured.performance,
                                c->measured.flags);
-  return (row){c->dose, c->focus,          c->mask_error,     c->weight,
-               s,       (int64_t)s.failed, (int64_t)s.outside};
+  return (row){
+      c->dose,   c->focus, c->mask_error,     c->overlay_x,      c->overlay_y,
+      c->weight, s,        (int64_t)s.failed, (int64_t)s.outside};
 }
 
 static int put_rows(const loop *l, const row *r, opc_error *error) {
@@ -335,6 +371,8 @@ static int put_rows(const loop *l, const row *r, opc_error *error) {
       {"dose", "%", OPC_REAL, -1, &r->dose},
       {"focus", "nm", OPC_REAL, -1, &r->focus},
       {"mask", "nm", OPC_REAL, -1, &r->mask_error},
+      {"overlay_x", "nm", OPC_REAL, -1, &r->overlay_x},
+      {"overlay_y", "nm", OPC_REAL, -1, &r->overlay_y},
       {"weight", NULL, OPC_REAL, 4, &r->weight},
       {"ion_n", "%", OPC_REAL, 3, &r->s.ion_mean[EDA_NMOS]},
       {"ion_p", "%", OPC_REAL, 3, &r->s.ion_mean[EDA_PMOS]},
@@ -399,8 +437,10 @@ static void corners_log_failed(const loop *l, const row *r) {
     l->host->log(
         l->host, OPC_LOG_WARNING,
         "corners: %d of %zu transistors do not print at %g %% dose, %g nm "
-        "focus, %g nm mask, and are ignored there: see corners.csv",
-        (int)most, n, r[at].dose, r[at].focus, r[at].mask_error);
+        "focus, %g nm mask, overlay (%g, %g) nm, and are ignored there: see "
+        "corners.csv",
+        (int)most, n, r[at].dose, r[at].focus, r[at].mask_error,
+        r[at].overlay_x, r[at].overlay_y);
 }
 
 int correct_corners_report(const loop *l, opc_error *error) {

@@ -313,6 +313,80 @@ static void test_fine(void) {
   correct_loop_clear(&l);
 }
 
+/* Measure the corrected poly of a loop with its active displaced by (x, y), by
+   a new image. */
+static void measure_displaced(const loop *l, int32_t x, int32_t y,
+                              eda_measurement *out) {
+  opc_error error = {0};
+  eda_printer p;
+  const uint8_t layers[] = {1, 1};
+  eda_shapes *active = &l->mask[EDA_ACTIVE];
+  eda_printer_init(&p, NULL, l->gates, MODULE(&with_focus, NULL),
+                   MODULE(&resist, NULL), 300);
+  for (int way = 1; way >= -1; way -= 2) {
+    for (size_t i = 0; i < active->start[active->count]; i++) {
+      active->points[i].x += way * x;
+      active->points[i].y += way * y;
+    }
+    if (way < 0) break;
+    g_assert_false(eda_printer_prepare(&p, &error));
+    g_assert_false(eda_printer_print(&p, layers, l->mask, &error));
+  }
+  g_assert_false(eda_measure(NULL, l->gates, p.print, MODULE(&extractor, NULL),
+                             out, &error));
+  eda_printer_clear(&p);
+}
+
+/* Corners of overlay are as those of a mask with displaced active; regulators
+   receive the smallest extension. */
+static void test_overlay(void) {
+  enum { X = 3, Y = 2 };
+  static const double x[X] = {-200, 0, 25}, y[Y] = {0, 84};
+  static const double dose[] = {0, 4};
+  loop l;
+  opc_error error = {0};
+  eda_measurement m;
+  eda_measurement_init(&m, GATES);
+  wanted_bias = -6;
+  corners_request w = {
+      .dose = {dose, 2}, .overlay_x = {x, X}, .overlay_y = {y, Y}, .free = 1};
+  g_assert_cmpuint(correct_corners_count(&w), ==, 2 * X * Y);
+  g_assert_cmpuint(correct_corners_images(&w), ==, 1);
+  g_assert_false(run_step(&l, &with_focus, w, 0, &error));
+  double sum = 0, all = 0, least[2 * GATES], largest = 0;
+  for (size_t i = 0; i < 2 * GATES; i++) least[i] = INFINITY;
+  for (size_t k = 0; k < X * Y; k++) {
+    const corner *c = &l.corners.corner[2 * k];
+    double dx = x[k % X], dy = y[k / X];
+    double r = dx * dx / (200 * 200) + dy * dy / (84 * 84);
+    g_assert_true(c->overlay_x == dx && c->overlay_y == dy && c->dose == 0);
+    g_assert_cmpfloat(
+        fabs(c->weight / l.corners.corner[2].weight - exp(-1.5 * r)), <, 1e-9);
+    measure_displaced(&l, (int32_t)dx, (int32_t)dy, &m);
+    for (size_t i = 0; i < GATES; i++)
+      check_near(c->measured.performance.ion[i], m.performance.ion[i], 1e-5);
+    for (size_t i = 0; i < 2 * GATES; i++)
+      least[i] = fmin(least[i], m.extension[i]);
+    largest = fmax(largest,
+                   fabs(m.performance.ion[1] / l.corners.nominal.ion[1] - 1));
+  }
+  for (size_t k = 0; k < l.corners.count; k++) {
+    const corner *c = &l.corners.corner[k];
+    sum += c->weight * log(c->measured.performance.ion[1]);
+    all += c->weight;
+  }
+  check_near(l.measured.performance.ion[1], exp(sum / all), close_to);
+  g_assert_cmpfloat(largest, >, 0.005);
+  eda_printed p = correct_loop_printed(&l);
+  for (size_t i = 0; i < 2 * GATES; i++)
+    if (isinf(least[i]))
+      g_assert_true(p.extension[i] == least[i]);
+    else
+      g_assert_cmpfloat(fabs(p.extension[i] - least[i]), <, 1e-2);
+  eda_measurement_clear(&m);
+  correct_loop_clear(&l);
+}
+
 /* Gates that are open at a corner are excluded from their mean there. */
 static void test_lost(void) {
   static const double doses[] = {0, 150000};
@@ -391,6 +465,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/corners/limit", test_limit);
   g_test_add_func("/corners/nominal", test_nominal);
   g_test_add_func("/corners/fine", test_fine);
+  g_test_add_func("/corners/overlay", test_overlay);
   g_test_add_func("/corners/lost", test_lost);
   g_test_add_func("/corners/refused", test_refused);
   int failed = g_test_run();

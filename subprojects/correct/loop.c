@@ -150,7 +150,7 @@ eda_printed correct_loop_printed(const loop *l) {
                        .l = l->now.biases.l,
                        .w = l->now.biases.w,
                        .aside = l->now.biases.aside,
-                       .extension = l->measured.extension,
+                       .extension = correct_corners_extension(l),
                        .shapes = l->mask,
                        .print = l->printer.print,
                        .scanner = eda_scanner_of(&l->printer.litho.module)};

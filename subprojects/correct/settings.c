@@ -11,10 +11,26 @@
 #include <correct/fine.h>
 #include <correct/loop.h>
 
+static int settings_check_overlay(opc_reals overlay, opc_error *error) {
+  static const double most = 1e3; /* nm */
+  if (overlay.count && overlay.count != 2)
+    return opc_fail(error, OPC_INVALID, "overlay",
+                    "'overlay' has %zu values, expected 2: along x and y",
+                    overlay.count);
+  for (size_t i = 0; i < overlay.count; i++)
+    if (!(fabs(overlay.values[i]) <= most))
+      return opc_fail(error, OPC_INVALID, "overlay",
+                      "'overlay' is %g nm, expected at most %g nm",
+                      overlay.values[i], most);
+  return OPC_OK;
+}
+
 int correct_settings_check(correct_settings *with, const opc_host *host,
                            opc_error *error) {
-  int code =
-      correct_fine_error(with->fine_text, with->ion_limit, &with->fine, error);
+  int code = settings_check_overlay(with->overlay, error);
+  if (!code)
+    code = correct_fine_error(with->fine_text, with->ion_limit, &with->fine,
+                              error);
   return code ? code
               : correct_fine_margin(host, with->litho, with->fine,
                                     &with->margin, error);
@@ -59,8 +75,8 @@ void correct_forecast(const correct_settings *with, const opc_host *host,
 
 /* ---- printing ---- */
 
-/* Simulate and measure shapes and move the level sets to *print. Discard cached
-   images of the printer first. */
+/* Simulate and measure shapes and move the level sets to *print, that of active
+   displaced by the overlay. Discard cached images of the printer first. */
 static int print_shapes(const correct_settings *with, eda_printer *p,
                         const eda_gates *g, const eda_shapes *shapes,
                         eda_measurement *measured, eda_field *print,
@@ -72,6 +88,9 @@ static int print_shapes(const correct_settings *with, eda_printer *p,
   }
   int code = (p->fine > 0 ? eda_printer_refine : eda_printer_print)(
       p, g->corrected, shapes, error);
+  if (!code && with->overlay.count && g->layers > EDA_ACTIVE)
+    eda_field_shift(&p->print[EDA_ACTIVE], with->overlay.values[0],
+                    with->overlay.values[1]);
   if (!code)
     code =
         eda_measure(p->context, g, p->print, with->extractor, measured, error);

@@ -255,6 +255,55 @@ static void test_meef(void) {
   g_assert_cmpfloat(opc_test_metric("meef_max"), <, 2.6);
 }
 
+/* A displaced image of active equals the image of displaced shapes. The active
+   ends 50 nm beside the gates on one side. */
+static void test_overlay(void) {
+  static const int32_t x[] = {-20, 30}, y[] = {0, 30};
+  static const char *const columns[] = {"ion_n", "ion_p", "leakage_n",
+                                        "leakage_p"};
+  const eda_gates *sample = eda_gates_sample();
+  g_autofree char *table = g_build_filename(g_getenv("OPCFLOW_SOURCE"), "data",
+                                            "devices", "ptm65.yaml", NULL);
+  double got[4][4], largest = 0;
+  for (size_t k = 0; k <= 4; k++) {
+    g_autofree char *map = g_strdup_printf(
+        "{ litho: { use: litho.hopkins }, resist: { use: resist.threshold }, "
+        "extractor: { use: extractor.plain, devices: '%s' }, dose: [0 %%], "
+        "defocus: [0 nm]%s }",
+        table,
+        k ? "" : ", overlay_x: [-20 nm, 30 nm], overlay_y: [0 nm, 30 nm]");
+    opc_error error;
+    void *none[1];
+    opc_test_forget();
+    g_autoptr(opc_module) m = opc_test_module("process.window", map, &error);
+    if (!m) g_error("%s", error.message);
+    eda_gates gates = *sample;
+    eda_shapes moved[2] = {sample->drawn[0], sample->drawn[1]};
+    eda_shapes *active = &moved[EDA_ACTIVE];
+    uint32_t n = active->start[active->count];
+    g_autofree eda_point *points =
+        g_memdup2(active->points, n * sizeof *points);
+    for (uint32_t i = 0; i < n; i++) {
+      if (points[i].x > 200) points[i].x = 110;
+      points[i].x += k ? x[(k - 1) % 2] : 0;
+      points[i].y += k ? y[(k - 1) / 2] : 0;
+    }
+    active->points = points;
+    gates.drawn = moved;
+    opc_test_input(m, "gates", &gates);
+    if (opc_test_run(m, none, &error)) g_error("%s", error.message);
+    for (size_t i = 0; i < 4 && !k; i++)
+      for (size_t c = 0; c < 4; c++)
+        got[i][c] = column("overlay", columns[c])[i];
+    for (size_t c = 0; c < 4 && k; c++) {
+      double want = column("performance_window", columns[c])[0];
+      assert_near(got[k - 1][c], want, c < 2 ? 0.02 : 0.01 * want);
+      if (c < 2) largest = fmax(largest, fabs(want - got[0][c]));
+    }
+  }
+  g_assert_cmpfloat(largest, >, 1);
+}
+
 /* Test that a failing gate has no current, and that no adjacent condition meets
    the limits. */
 static void test_failing(void) {
@@ -293,6 +342,8 @@ static void test_refused(void) {
                  "requires at least two values");
   assert_refused("{ " LITHO ", " RESIST ", mask_error: [1 nm, 0 nm] }",
                  "must increase");
+  assert_refused("{ " LITHO ", " RESIST ", overlay_y: [1 nm, 0 nm] }",
+                 "must increase");
 }
 
 int main(int argc, char **argv) {
@@ -302,6 +353,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/performance/between", test_between);
   g_test_add_func("/performance/mask-error", test_mask_error);
   g_test_add_func("/performance/meef", test_meef);
+  g_test_add_func("/performance/overlay", test_overlay);
   g_test_add_func("/performance/failing", test_failing);
   g_test_add_func("/performance/refused", test_refused);
   return g_test_run();

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Simulates the contours at each focus and dose, and for masks with moved
-   edges. A change of the dose scales an image; another focus or mask requires a
-   new image. */
+/* Simulates the contours at each focus and dose, for displaced images of
+   active, and for masks with moved edges. A change of the dose scales an image;
+   another focus or mask requires a new image. */
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
@@ -58,9 +58,9 @@ static int exposure_measure(exposure *e, window_print *out, opc_error *error) {
   return code;
 }
 
-/* Evaluate the images at a dose given in %. */
-static int print_at(exposure *e, double dose, window_print *out,
-                    opc_error *error) {
+/* Evaluate the images at a dose given in %, active displaced by the overlay. */
+static int print_at(exposure *e, double dose, window_overlay overlay,
+                    window_print *out, opc_error *error) {
   const window *w = e->w;
   int code = OPC_OK;
   for (size_t k = 0; k < e->layers && !code; k++) {
@@ -68,6 +68,8 @@ static int print_at(exposure *e, double dose, window_print *out,
     e->print[k] = eda_field_scaled(&e->scaled[k], 1);
     code = eda_printer_develop(&e->printer, (int)k, &e->print[k], error);
   }
+  if (e->layers > EDA_ACTIVE)
+    eda_field_shift(&e->print[EDA_ACTIVE], overlay.x, overlay.y);
   cutter c = {e, eda_alloc(w->gates->count, sizeof *c.cuts)};
   out->cuts = c.cuts;
   if (!code) opc_parallel(w->host->context, w->gates->count, cut_gate, &c);
@@ -132,6 +134,8 @@ static int take_masks(exposure *e, double by, opc_error *error) {
 
 /* ---- all conditions ---- */
 
+static const window_overlay aligned = {0, 0};
+
 static int go_on(const window *w, size_t done, opc_error *error) {
   opc_progress progress = {
       .done = (double)done,
@@ -149,9 +153,19 @@ static int all_places(exposure *e, opc_error *error) {
     code = go_on(w, f, error);
     if (!code) code = image_at(e, w->focus.values[f], error);
     for (size_t d = 0; d < w->dose.count && !code; d++)
-      code = print_at(e, w->dose.values[d], &w->print[f * w->dose.count + d],
-                      error);
+      code = print_at(e, w->dose.values[d], aligned,
+                      &w->print[f * w->dose.count + d], error);
   }
+  return code;
+}
+
+static int all_overlays(exposure *e, opc_error *error) {
+  window *w = e->w;
+  if (!window_overlays(w)) return OPC_OK;
+  int code = image_at(e, w->focus.values[w->nominal_focus], error);
+  for (size_t k = 0; k < window_overlays(w) && !code; k++)
+    code = print_at(e, w->dose.values[w->nominal_dose], window_overlay_at(w, k),
+                    &w->shifted[k], error);
   return code;
 }
 
@@ -163,7 +177,8 @@ static int all_mask_errors(exposure *e, opc_error *error) {
     if (!code) code = take_masks(e, w->mask_error.values[k], error);
     if (!code) code = image_at(e, w->focus.values[w->nominal_focus], error);
     if (!code)
-      code = print_at(e, w->dose.values[w->nominal_dose], &w->wrong[k], error);
+      code = print_at(e, w->dose.values[w->nominal_dose], aligned, &w->wrong[k],
+                      error);
   }
   return code;
 }
@@ -184,12 +199,14 @@ int window_expose(window *w, opc_error *error) {
   size_t n = w->gates->count;
   w->print = eda_alloc(w->focus.count * w->dose.count, sizeof *w->print);
   w->wrong = eda_alloc(w->mask_error.count, sizeof *w->wrong);
+  w->shifted = eda_alloc(window_overlays(w), sizeof *w->shifted);
   e.print = eda_alloc(w->gates->layers, sizeof *e.print);
   eda_measurement_init(&e.measured, n);
   eda_printer_init(&e.printer, w->host->context, w->gates, w->litho, w->resist,
                    w->margin);
   int code = exposure_prepare(&e, error);
   if (!code) code = all_places(&e, error);
+  if (!code) code = all_overlays(&e, error);
   if (!code) code = all_mask_errors(&e, error);
   clear_images(&e);
   for (size_t k = 0; k < e.layers; k++) eda_spectrum_clear(&e.mask[k]);

@@ -177,6 +177,25 @@ static int mask_error_table(const window *w, opc_error *error) {
   return code;
 }
 
+static int overlays(const window *w, opc_error *error) {
+  size_t n = window_overlays(w);
+  double worst = 0, leakage = 0;
+  performance_row *r = eda_alloc(n, sizeof *r);
+  for (size_t k = 0; k < n; k++) {
+    window_overlay at = window_overlay_at(w, k);
+    r[k] = row_of(&w->shifted[k], at.x, at.y);
+    worst = fmax(worst, fabs(r[k].p.ion_worst));
+    leakage = fmax(leakage, r[k].p.leakage[2]);
+  }
+  int code = put_performance(
+      w, "overlay", (opc_column){"overlay_x", "nm", OPC_REAL, -1, &r->a},
+      (opc_column){"overlay_y", "nm", OPC_REAL, -1, &r->b}, r, n, error);
+  free(r);
+  const opc_metric_value values[] = {{"overlay_ion_worst", worst},
+                                     {"overlay_leakage_max", leakage}};
+  return code ? code : opc_put_metrics(w->host, OPC_ARRAY(values), error);
+}
+
 static int kept_table(const window *w, opc_error *error) {
   typedef struct row {
     double focus, ion, ioff, both;
@@ -255,5 +274,6 @@ int window_report(const window *w, opc_error *error) {
                                      {"failed_max", failed}};
   if (!code) code = opc_put_metrics(w->host, OPC_ARRAY(values), error);
   if (!code && w->extractor) code = publish_currents(w, error);
-  return code || !w->mask_error.count ? code : mask_errors(w, error);
+  if (!code && w->mask_error.count) code = mask_errors(w, error);
+  return code || !window_overlays(w) ? code : overlays(w, error);
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements process.window: evaluates the gates of a mask at lists of doses,
-   foci and mask errors (Bossung curves; exposure latitude and depth of focus:
-   C. A. Mack, "Fundamental Principles of Optical Lithography", 2007, chapter
-   8). */
+   foci, mask errors and overlays (Bossung curves; exposure latitude and depth
+   of focus: C. A. Mack, "Fundamental Principles of Optical Lithography", 2007,
+   chapter 8). */
 #include "window.h"
 
 #include <eda/drawing.h>
@@ -49,6 +49,9 @@ static int window_run(void *self, void **outputs, opc_error *error) {
   if (!w->gates->count)
     return opc_fail(error, OPC_INVALID, w->mask ? "mask" : "gates",
                     "the layout has no transistors to measure");
+  if (window_overlays(w) && !w->extractor)
+    return opc_fail(error, OPC_INVALID, "extractor",
+                    "'overlay_x' and 'overlay_y' require an 'extractor'");
   w->nominal_dose = nearest_to_0(w->dose);
   w->nominal_focus = nearest_to_0(w->focus);
   if (check_mask_errors(w, error)) return error->code;
@@ -72,7 +75,8 @@ static int window_forecast(void *self, opc_forecast *out, opc_error *error) {
   size_t layers = w->extractor ? 2 : 1;
   eda_image_size one = eda_printer_forecast(&printer, layers);
   size_t images = w->focus.count + w->mask_error.count;
-  size_t prints = w->focus.count * w->dose.count + w->mask_error.count;
+  size_t prints =
+      w->focus.count * w->dose.count + w->mask_error.count + window_overlays(w);
   eda_printer_clear(&printer);
   out->memory = one.bytes + (double)prints * (double)gates->count *
                                 (sizeof(eda_section) + 2 * sizeof(double));
@@ -117,6 +121,16 @@ static const opc_parameter parameters[] = {
                   .preset = "[]",
                   .summary = "outward displacements of all mask edges, "
                              "increasing; simulated at nominal dose and focus"),
+    OPC_PARAMETER_NAMED(
+        "overlay_x", window, overlay[0], .type = OPC_REALS, .unit = "nm",
+        .preset = "[]",
+        .summary = "displacements of the image of active against poly along "
+                   "x, increasing; at nominal dose and focus"),
+    OPC_PARAMETER_NAMED(
+        "overlay_y", window, overlay[1], .type = OPC_REALS, .unit = "nm",
+        .preset = "[]",
+        .summary = "displacements of the image of active against poly along "
+                   "y, increasing; combined with `overlay_x`"),
     OPC_PARAMETER(
         window, ion_limit, .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "%",
         .preset = "10 %", .min = 0,
@@ -172,6 +186,10 @@ static const opc_metric metrics[] = {
      "mean of |change of Ion| when all edges of the mask move by 1 nm"},
     {"ion_per_nm_max", "%", OPC_LOWER, 0.01,
      "largest |change of Ion| when all edges of the mask move by 1 nm"},
+    {"overlay_ion_worst", "%", OPC_LOWER, 0.01,
+     "largest |Ion deviation| of all overlays"},
+    {"overlay_leakage_max", NULL, OPC_LOWER, 0.01,
+     "ratio of total Ioff to drawn total Ioff, at the worst overlay"},
 };
 
 static int check_list(const char *name, opc_reals list, size_t least,
@@ -215,7 +233,9 @@ static int window_check(void *self, opc_error *error) {
   window_set_defaults(w);
   if (check_list("dose", w->dose, 1, -100, error) ||
       check_list("defocus", w->focus, 1, -1e6, error) ||
-      check_list("mask_error", w->mask_error, 0, -1e3, error))
+      check_list("mask_error", w->mask_error, 0, -1e3, error) ||
+      check_list("overlay_x", w->overlay[0], 0, -1e3, error) ||
+      check_list("overlay_y", w->overlay[1], 0, -1e3, error))
     return error->code;
   if (w->mask_error.count == 1)
     return opc_fail(error, OPC_INVALID, "mask_error",
@@ -236,6 +256,7 @@ static void window_clear(void *self) {
   window *w = self;
   clear_prints(w->print, w->focus.count * w->dose.count);
   clear_prints(w->wrong, w->mask_error.count);
+  clear_prints(w->shifted, window_overlays(w));
   eda_performance_clear(&w->design);
   free(w->low);
   free(w->high);

@@ -22,6 +22,7 @@ typedef struct window {
   const opc_module *extractor;  /* NULL: none */
   opc_reals dose, focus;        /* %, nm; increasing */
   opc_reals mask_error;         /* nm; increasing */
+  opc_reals overlay[2];         /* of active along x and y, nm; increasing */
   double tolerance;             /* % of the drawn length */
   double ion_limit, ioff_limit; /* % */
   double margin;                /* nm */
@@ -34,6 +35,7 @@ typedef struct window {
   window_print *print;    /* [focus][dose] */
   window_print *wrong;    /* [mask_error], at nominal dose and
                              focus */
+  window_print *shifted;  /* [overlays of window_overlays], the same */
   double *low, *high;     /* range of doses within tolerance, %, per focus; NAN:
                              none */
   double depth_low, depth_high; /* range of foci within tolerance at the nominal
@@ -45,9 +47,30 @@ static inline const window_print *window_at(const window *w, size_t focus,
   return &w->print[focus * w->dose.count + dose];
 }
 
+/* A displacement of the image of active against poly, nm. */
+typedef struct window_overlay {
+  double x, y;
+} window_overlay;
+
+/* Return the number of overlays: combinations of the lists, in which a missing
+   list contains 0; 0 without lists. window_overlay_at: return overlay k; x
+   varies fastest. */
+static inline size_t window_overlays(const window *w) {
+  size_t x = w->overlay[0].count, y = w->overlay[1].count;
+  return x && y ? x * y : x + y;
+}
+
+static inline window_overlay window_overlay_at(const window *w, size_t k) {
+  opc_reals x = w->overlay[0], y = w->overlay[1];
+  window_overlay at = {0, 0};
+  if (x.count) at.x = x.values[k % x.count];
+  if (y.count) at.y = y.values[x.count ? k / x.count : k];
+  return at;
+}
+
 /* ---- prints.c ---- */
 
-/* Simulate all conditions; fill `print` and `wrong`. */
+/* Simulate all conditions; fill `print`, `wrong` and `shifted`. */
 int window_expose(window *w, opc_error *error);
 
 /* ---- limits.c ---- */

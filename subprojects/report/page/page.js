@@ -249,7 +249,7 @@ function convergence(only) {
 
 function corners() {
   const differ = c => new Set(c.values).size > 1;
-  const name = (r, i) => r.tables.corners.columns.filter(c => ['dose', 'focus', 'mask'].includes(c.name) && differ(c))
+  const name = (r, i) => r.tables.corners.columns.filter(c => ['dose', 'focus', 'mask', 'overlay_x', 'overlay_y'].includes(c.name) && differ(c))
     .map(c => c.name + ' ' + quantity(c.values[i], c.unit)).join(', ');
   section('corners', 'Corners of the process', runs.filter(r => r.tables.corners).slice(0, FEW).map(r => {
     const one = (what, of) => bars_of(`Leakage of ${of}, over that as drawn`, column(r, 'corners', what) || [], i => name(r, i), series_of(r));

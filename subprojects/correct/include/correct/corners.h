@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Correction for several doses, foci and mask errors. Each combination of a
-   dose, a focus and a mask error is a corner.
+/* Correction for several doses, foci, mask errors and overlays. Each
+   combination of them is a corner. An overlay displaces the image of active
+   against poly.
 
    The loop and the synthesizers receive, for each transistor, weighted
    geometric means of Ion, Ioff and area over the corners. If a displacement
@@ -11,8 +12,9 @@
    figure, over all transistors of a type, is not corrected. A change of dose
    would have the same effect. The remaining
    difference of a transistor is scaled down so that nominal Ion changes by at
-   most `ion_cost`. Flags, images, line ends and the final report refer to the
-   nominal conditions; the history and the trace contain the means. */
+   most `ion_cost`. Flags, images and the final report refer to the nominal
+   conditions; the history and the trace contain the means. Regulators receive
+   the smallest extension over the nominal condition and all overlays. */
 #pragma once
 
 #include <eda/print.h>
@@ -25,21 +27,22 @@ typedef struct corners_request {
   opc_reals dose, focus, mask_error; /* values in %, nm and nm; empty: nominal
                                         only */
   opc_reals weight;
+  opc_reals overlay_x, overlay_y; /* nm */
   double ion_cost; /* largest |deviation of nominal Ion| caused by corners, % */
   int free;        /* 1: no bound by ion_cost */
 } corners_request;
 
-/* A dose (%), a focus (nm) and a mask error (nm), relative to the nominal
-   conditions. */
+/* A dose (%), a focus (nm), a mask error (nm), and a displacement of active
+   against poly (nm), relative to the nominal conditions. */
 typedef struct corner {
-  double dose, focus, mask_error;
+  double dose, focus, mask_error, overlay_x, overlay_y;
   double weight;   /* the sum over all corners is 1 */
   size_t exposure; /* index of the images in corners.exposure */
   eda_measurement measured;
 } corner;
 
 /* A combination of a focus and a mask error. Corners that differ only in dose
-   share the images of an exposure. */
+   and overlay share the images of an exposure. */
 typedef struct exposure {
   eda_printer *printer; /* simulates the images: the loop's printer or `own` */
   eda_printer own;
@@ -53,12 +56,17 @@ typedef struct corners {
   corner *corner;
   exposure *exposure;
   eda_performance nominal; /* nominal performance of the last simulation */
+  double *extension;       /* [2 * gates], smallest extension over the nominal
+                              condition and the overlays, nm; NULL: no overlay */
 } corners;
 
 /* Return OPC_OK, or OPC_INVALID if a value, a weight or the number of corners
    is not valid; *error names the first such parameter. */
 OPC_EXPORT int correct_corners_check(const corners_request *request,
                                      opc_error *error);
+
+/* Return the number of corners; 0 if no list is given. */
+OPC_EXPORT size_t correct_corners_count(const corners_request *request);
 
 /* Return the number of images per layer and simulation; 1 without corners. */
 OPC_EXPORT size_t correct_corners_images(const corners_request *request);
@@ -81,6 +89,10 @@ OPC_EXPORT int correct_corners_refine(struct loop *loop, const uint8_t *layers,
    the loop's performance is replaced by the mean over the corners. */
 OPC_EXPORT int correct_corners_measure(struct loop *loop, opc_error *error);
 
+/* Return the extensions that regulators receive, [2 * gates], nm: of the last
+   measurement, or with overlays corners.extension. */
+OPC_EXPORT const double *correct_corners_extension(const struct loop *loop);
+
 /* Publish the tables "corners" and "all_corners" and CORNERS_METRICS. */
 OPC_EXPORT int correct_corners_report(const struct loop *loop,
                                       opc_error *error);
@@ -100,12 +112,22 @@ OPC_EXPORT int correct_corners_report(const struct loop *loop,
           .summary =                                                           \
               "Outward displacements of all mask edges to correct for"),       \
       OPC_PARAMETER_NAMED(                                                     \
+          "corners.overlay_x", state, corners.overlay_x, .type = OPC_REALS,    \
+          .unit = "nm", .preset = "[]",                                        \
+          .summary =                                                           \
+              "Displacements of active against poly along x to correct for"),  \
+      OPC_PARAMETER_NAMED(                                                     \
+          "corners.overlay_y", state, corners.overlay_y, .type = OPC_REALS,    \
+          .unit = "nm", .preset = "[]",                                        \
+          .summary =                                                           \
+              "Displacements of active against poly along y to correct for"),  \
+      OPC_PARAMETER_NAMED(                                                     \
           "corners.weight", state, corners.weight, .type = OPC_REALS,          \
           .preset = "[]",                                                      \
           .summary =                                                           \
-              "Weights of the corners: doses vary fastest, then foci, then "   \
-              "masks (default: normal distribution with the outermost values " \
-              "at sqrt(3) sigma)"),                                            \
+              "Weights of the corners: doses vary fastest, then foci, masks, " \
+              "overlays in x and in y (default: normal distribution with the " \
+              "outermost values at sqrt(3) sigma)"),                           \
       OPC_PARAMETER_NAMED(                                                     \
           "corners.ion_cost", state, corners.ion_cost, .type = OPC_REAL,       \
           .former = "corners.limit", .flags = OPC_AT_LEAST, .unit = "%",       \

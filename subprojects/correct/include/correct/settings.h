@@ -23,6 +23,8 @@ typedef struct correct_settings {
   const char *fine_text;   /* parameter `fine` */
   double fine;             /* error of accurate simulations, clear field 1; 0:
                               none */
+  opc_reals overlay;       /* displacement of the image of active against poly
+                              along x and y, nm; empty: none */
   double margin;           /* clear field around the layout, nm */
   double ion_limit;        /* largest allowed |Ion deviation|, % */
   double rules[EDA_RULES]; /* limits of the mask rules, nm */
@@ -30,8 +32,8 @@ typedef struct correct_settings {
 } correct_settings;
 
 /* Compute `fine` and `margin` from the parameters. Return OPC_INVALID with the
-   name of the parameter if `fine` or `margin` is not valid. Call on the main
-   thread. */
+   name of the parameter if `fine`, `margin` or `overlay` is not valid. Call on
+   the main thread. */
 OPC_EXPORT int correct_settings_check(correct_settings *with,
                                       const opc_host *host, opc_error *error);
 
@@ -109,6 +111,13 @@ OPC_EXPORT int correct_save_mask(void *self, void *const *outputs,
       .summary =                                                               \
           "Image error of the accurate simulations that produce the reported " \
           "figures, clear field 1; off: fast simulations only")
+
+#define CORRECT_OVERLAY(state)                                                \
+  OPC_PARAMETER_NAMED("overlay", state, with.overlay, .type = OPC_REALS,      \
+                      .unit = "nm", .preset = "[]",                           \
+                      .summary =                                              \
+                          "Displacement of the image of active against poly " \
+                          "along x and y")
 
 #define CORRECT_GUARD(state)                                                \
   OPC_PARAMETER_NAMED(                                                      \

@@ -162,6 +162,13 @@ OPC_EXPORT void eda_field_clear(eda_field *field);
 /* Return a new field: the field times a factor. */
 OPC_EXPORT eda_field eda_field_scaled(const eda_field *field, double factor);
 
+/* Displace a field by (x, y), nm, for example by an overlay error. [any] */
+OPC_UNUSED static inline void eda_field_shift(eda_field *field, double x,
+                                              double y) {
+  field->frame.x0 += x;
+  field->frame.y0 += y;
+}
+
 /* Evaluate a field and its derivatives along x and y (1/nm) at n points (x, y).
    Each of the arrays value, dx and dy may be NULL. */
 OPC_EXPORT void eda_field_gradient(const eda_field *field, const double *x,
