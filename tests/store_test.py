@@ -101,6 +101,20 @@ def test_again():
     before = manifest(first)["store"]["results"]
     assert [r["key"] for r in results] == [r["key"] for r in before]
     assert [r["seconds"] for r in results] == [r["seconds"] for r in before]
+    assert manifest(second)["processor"] == manifest(first)["processor"]
+
+
+def test_processor():
+    """A step that sleeps uses no processor time; the steps use most of the time of the process."""
+    slow, _ = run("--no-cache", "--set", "b.wait=1100")
+    assert manifest(slow)["steps"]["b"] > 1.1 and manifest(slow)["processor"]["b"] < 0.5
+    flow = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "flows", "dpb.yaml")
+    started = subprocess.Popen([OPCFLOW, "run", flow, "--no-cache", "--quiet", "--output", "runs/dpb"],
+                               stdout=subprocess.DEVNULL)
+    _, status, used = os.wait4(started.pid, 0)
+    started.returncode = os.waitstatus_to_exitcode(status)
+    total = used.ru_utime + used.ru_stime
+    assert started.returncode == 0 and total / 2 < sum(manifest("runs/dpb")["processor"].values()) <= total
 
 
 def test_parameter():

@@ -87,12 +87,12 @@ static JsonObject *store_json(const opc_manifest *m) {
   return o;
 }
 
-static JsonObject *seconds_json(const opc_manifest *m) {
+static JsonObject *seconds_json(const opc_manifest *m, const double *all) {
   JsonObject *o = json_object_new();
   for (guint i = 0; i < m->flow->order->len; i++) {
     const opc_flow_step *step = m->flow->order->pdata[i];
-    double seconds = m->outcome->seconds[step->number];
-    if (!isnan(seconds)) json_object_set_double_member(o, step->name, seconds);
+    if (!isnan(m->outcome->seconds[step->number]))
+      json_object_set_double_member(o, step->name, all[step->number]);
   }
   return o;
 }
@@ -116,7 +116,10 @@ JsonNode *opc_manifest_json(const opc_manifest *m) {
   json_object_set_array_member(o, "command", texts_json(m->command));
   set_text(o, "started", started);
   json_object_set_double_member(o, "seconds", m->outcome->total);
-  json_object_set_object_member(o, "steps", seconds_json(m));
+  json_object_set_object_member(o, "steps",
+                                seconds_json(m, m->outcome->seconds));
+  json_object_set_object_member(o, "processor",
+                                seconds_json(m, m->outcome->processor));
   JsonObject *store = store_json(m);
   if (store) json_object_set_object_member(o, "store", store);
   json_object_set_int_member(o, "threads", opc_threads());

@@ -14,6 +14,7 @@ void opc_outcome_init(opc_outcome *out, guint steps) {
   out->verdicts = opc_verdicts_new();
   opc_findings_init(&out->findings);
   opc_histories_init(&out->histories);
+  out->processor = g_new0(double, steps);
   out->seconds = g_new(double, steps);
   for (guint i = 0; i < steps; i++) out->seconds[i] = NAN;
 }
@@ -27,6 +28,7 @@ void opc_outcome_clear(opc_outcome *out) {
   g_array_free(out->metrics, TRUE);
   opc_table_free(out->points);
   g_date_time_unref(out->started);
+  g_free(out->processor);
   g_free(out->seconds);
   g_free(out->folder);
   g_free(out->failure);

@@ -16,6 +16,7 @@ typedef struct opc_outcome {
   GDateTime *started;
   double total;      /* seconds */
   double *seconds;   /* one per step; NAN: not run */
+  double *processor; /* processor seconds, one per step */
   GPtrArray *tables; /* opc_table * */
   GArray *metrics;   /* opc_inner_metric */
   GPtrArray *inputs; /* files read: path, SHA-256, path ... */

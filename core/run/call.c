@@ -8,6 +8,7 @@
 #include <guard/stop.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/resource.h>
 
 #include "core/binding/inner.h"
 #include "core/plugin/declaration.h"
@@ -112,6 +113,17 @@ static int limit_end(opc_run *run, const opc_flow_step *step, stop_limit *hard,
                   "exceeded the time limit of %g s", b->values[i].field.real);
 }
 
+/* Return the processor seconds of this process and of its finished children. */
+static double processor_now(void) {
+  struct rusage own, children;
+  getrusage(RUSAGE_SELF, &own);
+  getrusage(RUSAGE_CHILDREN, &children);
+  return (double)(own.ru_utime.tv_sec + own.ru_stime.tv_sec +
+                  children.ru_utime.tv_sec + children.ru_stime.tv_sec) +
+         1e-6 * (double)(own.ru_utime.tv_usec + own.ru_stime.tv_usec +
+                         children.ru_utime.tv_usec + children.ru_stime.tv_usec);
+}
+
 int opc_call_run(opc_run *run, const opc_flow_step *step, gboolean sketch,
                  opc_error *error) {
   const opc_binding *b = step->binding;
@@ -121,6 +133,7 @@ int opc_call_run(opc_run *run, const opc_flow_step *step, gboolean sketch,
   g_ptr_array_set_size(run->kept.pieces, 0);
   opc_call_set_inputs(run, step, TRUE);
   gint64 start = g_get_monotonic_time();
+  double processor = processor_now();
   stop_limit hard;
   limit_begin(run, step, &hard);
   const char *before = opc_binding_enter(b);
@@ -131,6 +144,7 @@ int opc_call_run(opc_run *run, const opc_flow_step *step, gboolean sketch,
   code = limit_end(run, step, &hard, code, error);
   run->out.seconds[step->number] =
       (double)(g_get_monotonic_time() - start) * 1e-6;
+  run->out.processor[step->number] = processor_now() - processor;
   opc_call_set_inputs(run, step, FALSE);
   if (!code && run->written.refusal.code) {
     *error = run->written.refusal;

@@ -202,8 +202,9 @@ static void take_shared(const opc_levels *levels, opc_run *run,
     for (guint i = 0; i < from->flow->steps->len; i++) {
       const opc_flow_step *step = from->flow->steps->pdata[i];
       const opc_flow_step *its = opc_flow_find(run->flow, step->name);
-      if (its && !from->left_out[i])
-        run->out.seconds[its->number] = from->out.seconds[i];
+      if (!its || from->left_out[i]) continue;
+      run->out.seconds[its->number] = from->out.seconds[i];
+      run->out.processor[its->number] = from->out.processor[i];
     }
     if (opc_traverse(from->written.work, copy_file, run->written.work, &error))
       opc_problem_add(problems, error.code, NULL, "%s", error.message);

@@ -7,10 +7,10 @@
 #include <store/pack.h>
 #include "core/run/result.h"
 
-/* Format of the effects: seconds; metrics: path, name, value; warnings: level,
-   path, text; tables: name, flags, rows, columns of name, unit, type, decimals,
-   data; files. Paths are relative to the step. */
-const char opc_result_type[] = "(da(ssd)a(uss)a(suta(smsuiv))a(ayay))";
+/* Format of the effects: seconds; processor seconds; metrics: path, name,
+   value; warnings: level, path, text; tables: name, flags, rows, columns of
+   name, unit, type, decimals, data; files. Paths are relative to the step. */
+const char opc_result_type[] = "(dda(ssd)a(uss)a(suta(smsuiv))a(ayay))";
 
 /* ---- from a run ---- */
 
@@ -94,7 +94,8 @@ GVariant *opc_result_new(const opc_run *run, const opc_flow_step *step,
     good = opc_files_add(&files, path, path + strlen(run->written.work) + 1);
   }
   GVariant *all = g_variant_new(opc_result_type, run->out.seconds[step->number],
-                                &metrics, &messages, &kept, &files);
+                                run->out.processor[step->number], &metrics,
+                                &messages, &kept, &files);
   if (good) return all;
   g_variant_unref(g_variant_ref_sink(all));
   return NULL;
@@ -209,11 +210,12 @@ void opc_messages_replay(opc_run *run, const opc_flow_step *step,
 
 int opc_result_publish(opc_run *run, const opc_flow_step *step,
                        GVariant *result, opc_error *error) {
-  g_autoptr(GVariant) metrics = g_variant_get_child_value(result, 1);
-  g_autoptr(GVariant) messages = g_variant_get_child_value(result, 2);
-  g_autoptr(GVariant) tables = g_variant_get_child_value(result, 3);
-  g_autoptr(GVariant) files = g_variant_get_child_value(result, 4);
+  g_autoptr(GVariant) metrics = g_variant_get_child_value(result, 2);
+  g_autoptr(GVariant) messages = g_variant_get_child_value(result, 3);
+  g_autoptr(GVariant) tables = g_variant_get_child_value(result, 4);
+  g_autoptr(GVariant) files = g_variant_get_child_value(result, 5);
   g_variant_get_child(result, 0, "d", &run->out.seconds[step->number]);
+  g_variant_get_child(result, 1, "d", &run->out.processor[step->number]);
   opc_messages_replay(run, step, messages);
   int code = publish_files(step, files, error);
   if (!code) code = publish_tables(step, tables, error);
