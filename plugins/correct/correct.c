@@ -194,9 +194,10 @@ static const opc_parameter parameters[] = {
                              "'layout'"),
     OPC_PARAMETER(
         correct, divide, .type = OPC_CHOICE, .preset = "auto",
-        .choices = "auto|whole|environments",
-        .summary = "Division of the layout: whole, or classes of transistors "
-                   "in equivalent environments; auto: by size and repetition"),
+        .choices = "auto|whole|environments|cells",
+        .summary = "Division of the layout: whole, classes of transistors in "
+                   "equivalent environments, or these classes with masks of "
+                   "cells; auto: by size and repetition, without cells"),
     DIVIDE_PARAMETERS(correct),
     OPC_PARAMETER_NAMED(
         "start", correct, start.mask, .type = OPC_INPUT, .choices = "mask",

@@ -4,6 +4,7 @@
 #include "divide.h"
 
 #include <glib.h>
+#include <math.h>
 #include <stdlib.h>
 
 #include <correct/findings.h>
@@ -38,14 +39,16 @@ static int conflict(const char *parameter, const char *why, opc_error *error) {
 int divide_check_settings(const correct *c, opc_error *error) {
   if (c->gates_given && c->layout_given)
     return conflict("gates", "and 'layout' exclude each other", error);
-  if (c->gates_given && c->divide == DIVIDE_ENVIRONMENTS)
-    return conflict("divide", "of 'environments' requires 'layout'", error);
+  if (c->gates_given && c->divide >= DIVIDE_ENVIRONMENTS)
+    return conflict("divide", "of a layout requires 'layout'", error);
   if (c->gates_given && c->top)
     return conflict("top", "requires 'layout'", error);
   if (c->gates_given && c->flavours.count)
     return conflict("flavours", "requires 'layout'", error);
   if (c->gates_given && c->also.count)
     return conflict("also", "requires 'layout'", error);
+  if (!c->verify && c->divide != DIVIDE_CELLS)
+    return conflict("verify", "of 'false' requires 'divide: cells'", error);
   if (c->radius > c->window)
     return opc_fail(error, OPC_INVALID, "radius",
                     "'radius' is %.4g nm, expected at most 'window', %.4g nm",
@@ -68,10 +71,13 @@ static const char *divide_obstacle(const correct *c) {
 
 int divide_check(const correct *c, opc_error *error) {
   const char *obstacle = divide_obstacle(c);
-  if (c->divide == DIVIDE_ENVIRONMENTS && obstacle)
+  if (c->divide >= DIVIDE_ENVIRONMENTS && obstacle)
     return opc_fail(error, OPC_INVALID, "divide",
-                    "'environments' does not support %s: set 'divide: whole'",
+                    "'%s' does not support %s: set 'divide: whole'",
+                    c->divide == DIVIDE_CELLS ? "cells" : "environments",
                     obstacle);
+  if (!isnan(c->start.max_diff) && !c->start.mask && c->divide != DIVIDE_CELLS)
+    return conflict("max_diff", "requires 'start' or 'divide: cells'", error);
   if (!c->layout == !c->gates)
     return opc_fail(error, OPC_INVALID, "layout",
                     "set either 'layout' or 'gates'");
@@ -97,7 +103,10 @@ static classes_request divide_request(correct *c) {
                            .radius = c->radius,
                            .margin = c->margin,
                            .window = c->window,
-                           .rounds = c->rounds};
+                           .rounds = c->rounds,
+                           .cells = {.used = c->divide == DIVIDE_CELLS,
+                                     .verify = c->verify,
+                                     .max_diff = c->start.max_diff}};
 }
 
 /* Return a low estimate of the number of transistors: the polygons of poly. */
@@ -236,7 +245,7 @@ static int divide_decide(const correct *c, const division *d, double memory_all,
       "%zu of %zu environments differ, and the whole takes "
       "about %.2g GB of memory",
       classes, n, memory_all / 1e9);
-  if (c->divide != DIVIDE_AUTO) return c->divide == DIVIDE_ENVIRONMENTS;
+  if (c->divide != DIVIDE_AUTO) return c->divide >= DIVIDE_ENVIRONMENTS;
   return ratio <= tuned.repeated || memory_all > tuned.most;
 }
 

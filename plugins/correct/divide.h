@@ -11,7 +11,7 @@
 #include <correct/start.h>
 
 /* Values of the parameter `divide`. */
-enum { DIVIDE_AUTO, DIVIDE_WHOLE, DIVIDE_ENVIRONMENTS };
+enum { DIVIDE_AUTO, DIVIDE_WHOLE, DIVIDE_ENVIRONMENTS, DIVIDE_CELLS };
 
 typedef struct correct {
   const opc_host *host;
@@ -23,6 +23,7 @@ typedef struct correct {
   double grid, overhang, line_end;
   double radius, window; /* nm */
   int64_t rounds;
+  int verify;
   loop_start start;
   correct_settings with;
   const opc_module *edges;
@@ -86,7 +87,12 @@ int divide_restore(correct *c, const char *folder, void **outputs,
                     .min = 0, .max = 20,                                     \
                     .summary =                                               \
                         "Largest number of rounds in which deviating "       \
-                        "transistors are split from their classes")
+                        "transistors are split from their classes"),         \
+      OPC_PARAMETER(state, verify, .type = OPC_BOOL, .preset = "true",       \
+                    .summary =                                               \
+                        "Simulate the mask of the layout; false, for "       \
+                        "'divide: cells': keep the masks of the cells, "     \
+                        "with their figures in the cells")
 
 #define DIVIDE_METRICS                                                         \
   {"windows", NULL, OPC_NEUTRAL, 0, "windows of the search for environments"}, \
@@ -94,6 +100,11 @@ int divide_restore(correct *c, const char *folder, void **outputs,
        "different drawn environments within 'radius'"},                        \
       {"prints", NULL, OPC_LOWER, 0,                                           \
        "different masked environments within 'margin', each verified"},        \
+      {"cells", NULL, OPC_NEUTRAL, 0, "different cells with transistors"},     \
+      {"cells_corrected", NULL, OPC_NEUTRAL, 0,                                \
+       "cells that the results store did not contain"},                        \
+      {"outside_cells", NULL, OPC_LOWER, 0,                                    \
+       "different environments of transistors that no cell contains"},         \
   {                                                                            \
     "sheets", NULL, OPC_LOWER, 0,                                              \
         "sheets of clips that were corrected or simulated"                     \

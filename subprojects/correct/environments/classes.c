@@ -108,7 +108,8 @@ static size_t find_failing(work *w, uint32_t *prints) {
   size_t n = 0;
   for (size_t i = 0; i < c->count; i++) used[c->gate[i].print] = 1;
   for (size_t k = 0; k < c->prints; k++) {
-    if (!used[k] || w->tried[k] || isnan(print_beyond(w, &w->print[k])))
+    if (!used[k] || w->tried[k] ||
+        isnan(print_beyond(w, &c->gate[w->print_first[k]])))
       continue;
     w->tried[k] = 1;
     prints[n++] = (uint32_t)k;
@@ -143,6 +144,7 @@ static int work_all(work *w, opc_error *error) {
   if (!code) code = correct_classes(w, error);
   if (!code) code = work_phase(w, 0.2, error);
   if (!code) code = verify_all(w, error);
+  done = w->cells.used && !w->cells.verify;
   for (w->round = 1; !code && !done && (int64_t)w->round <= w->rounds;
        w->round++) {
     code = work_phase(w, 0.1 / (double)w->rounds, error);
@@ -179,6 +181,7 @@ static void work_init(work *w, const classes_request *r) {
               .window = in_steps(r->window, grid),
               .gap = in_steps(CLASSES_GAP, grid),
               .rounds = r->rounds,
+              .cells = r->cells,
               .chip = eda_alloc(1, sizeof *w->chip),
               .prints = work_sums(),
               .sums = g_ptr_array_new_with_free_func(g_free),
@@ -191,6 +194,8 @@ void correct_classes_free(division *w) {
   free(w->found);
   free(w->first);
   free(w->before);
+  free(w->alone);
+  free(w->kind);
   free(w->print);
   g_hash_table_destroy(w->prints);
   g_ptr_array_free(w->sums, TRUE);

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include <correct/loop.h>
-#include "work.h"
+#include "correction.h"
 
 typedef struct correction {
   sheets on;            /* transistors to correct */
@@ -19,15 +19,7 @@ typedef struct correction {
   uint32_t *mask;       /* [count], new masks */
 } correction;
 
-/* Record of a corrected transistor, followed by its parts and boxes. */
-typedef struct corrected {
-  uint32_t place, unused; /* unused: explicit padding */
-  eda_chip_mask mask;
-  drawn_print before;
-  double off; /* |Ion deviation| with `mask`, %; INFINITY: none */
-} corrected;
-
-/* Header of a sheet's records. */
+/* Header of the records of a loop. */
 typedef struct head {
   uint32_t iterations, simulations, fine_simulations, unused;
 } head;
@@ -56,6 +48,8 @@ static eda_mask *fixed_masks(const correction *m, const sheet *s,
   for (size_t i = 0; i < g->count; i++)
     if ((*still)[i])
       eda_chip_move(w->chip, s->of[i], g->box[i], mask->moved, i);
+  for (size_t i = 0; i < g->count && w->cells.used; i++)
+    mask->moved->seen[i] = w->alone[w->chip->gate[s->of[i]].mask].seen;
   eda_index_free(index);
   return mask;
 }
@@ -89,9 +83,9 @@ static void owned_add(owned *to, uint32_t gate, eda_chip_box box) {
    is equal throughout the class only within the radius. If several transistors
    are at the smallest distance, each of them is an owner, because any of them
    may be the representative; equal shapes merge. */
-static void own_part(const correction *m, const eda_gates *g,
-                     const eda_index *index, eda_chip_box part, owned *to) {
-  int32_t r = m->on.work->radius;
+static void own_part(const work *w, const eda_gates *g, const eda_index *index,
+                     eda_chip_box part, owned *to) {
+  int32_t r = w->radius;
   eda_box near = eda_box_grown(part.box, r);
   double least = INFINITY;
   eda_finder f = eda_index_find(index, near);
@@ -111,24 +105,24 @@ static void own_part(const correction *m, const eda_gates *g,
 
 /* Divide a long shape into parts, because parts may be near different
    transistors, and add each part to its owner. */
-static void own_box(const correction *m, const eda_gates *g,
-                    const eda_index *index, eda_chip_box all, owned *to) {
+static void own_box(const work *w, const eda_gates *g, const eda_index *index,
+                    eda_chip_box all, owned *to) {
   eda_chip_box low = all, high = all;
-  int32_t most = MAX(m->on.work->radius / 2, 1), wide = all.box.x1 - all.box.x0,
+  int32_t most = MAX(w->radius / 2, 1), wide = all.box.x1 - all.box.x0,
           tall = all.box.y1 - all.box.y0;
   if (wide <= most && tall <= most) {
-    own_part(m, g, index, all, to);
+    own_part(w, g, index, all, to);
     return;
   }
   if (wide >= tall)
     low.box.x1 = high.box.x0 = all.box.x0 + wide / 2;
   else
     low.box.y1 = high.box.y0 = all.box.y0 + tall / 2;
-  own_box(m, g, index, low, to);
-  own_box(m, g, index, high, to);
+  own_box(w, g, index, low, to);
+  own_box(w, g, index, high, to);
 }
 
-static void own_all(const correction *m, const loop *l, owned *out) {
+static void own_all(const work *w, const loop *l, owned *out) {
   const eda_gates *g = l->gates;
   *out = (owned){.first = eda_alloc(g->count, sizeof *out->first)};
   eda_index *index = eda_index_new(g->box, g->count, 0);
@@ -136,7 +130,7 @@ static void own_all(const correction *m, const loop *l, owned *out) {
     for (int cutout = 1; cutout >= 0; cutout--) {
       eda_boxes b = cutout ? l->now.cutouts[k] : l->now.added[k];
       for (size_t i = b.count; i-- > 0;)
-        own_box(m, g, index,
+        own_box(w, g, index,
                 (eda_chip_box){b.box[i], (uint16_t)k, (uint16_t)cutout}, out);
     }
   eda_index_free(index);
@@ -171,7 +165,7 @@ static void put_one(const loop *l, const owned *o, uint32_t place, size_t i,
     out->add(out, &o->box[k - 1], sizeof *o->box);
 }
 
-static int put_all(const correction *m, const loop *l, const sheet *s,
+int correction_put(const work *w, const loop *l, const uint32_t *place,
                    opc_bytes *out, opc_error *error) {
   for (size_t k = 0; k < l->gates->layers; k++)
     if (l->now.shift[k] || l->now.assists[k].count)
@@ -179,31 +173,24 @@ static int put_all(const correction *m, const loop *l, const sheet *s,
                       "'%s' displaces fragments of edges or adds scatter "
                       "bars, expected a synthesizer that only changes lengths "
                       "and widths of transistors",
-                      m->on.work->with->synthesizer->id);
+                      w->with->synthesizer->id);
   owned o;
-  own_all(m, l, &o);
+  own_all(w, l, &o);
   const head h = {l->iterations, l->printer.simulations,
                   l->printer.fine_simulations, 0};
   out->add(out, &h, sizeof h);
   for (size_t i = 0; i < l->gates->count; i++)
-    if (s->place[i] != UINT32_MAX) put_one(l, &o, s->place[i], i, out);
+    if (place[i] != UINT32_MAX) put_one(l, &o, place[i], i, out);
   owned_clear(&o);
   return OPC_OK;
 }
 
 /* ---- a sheet ---- */
 
-/* Host of a loop on a sheet. Progress is scaled to the phase. Messages become
-   debug messages, because users do not know sheets. */
-typedef struct inner {
-  opc_host host;
-  const correction *correction;
-} inner;
-
 OPC_PRINTF(3, 4)
 static void log_inner(const opc_host *host, int level, const char *format,
                       ...) {
-  const opc_host *outer = ((const inner *)host)->correction->on.work->host;
+  const opc_host *outer = ((const inner *)host)->work->host;
   va_list arguments;
   va_start(arguments, format);
   g_autofree char *line = g_strdup_vprintf(format, arguments);
@@ -213,21 +200,25 @@ static void log_inner(const opc_host *host, int level, const char *format,
 
 static void inner_progress(const opc_host *host, const opc_progress *at) {
   const inner *in = (const inner *)host;
-  const correction *m = in->correction;
   double part = at->total > 0 ? at->done / at->total : 0;
-  if (isfinite(at->worst)) m->on.work->worst = at->worst;
-  work_progress(m->on.work,
-                ((double)m->on.done + part) / (double)m->on.pages.count);
+  if (isfinite(at->worst)) in->work->worst = at->worst;
+  work_progress(in->work, ((double)in->done + part) / (double)in->count);
+}
+
+void correction_host(work *w, size_t done, size_t count, inner *out) {
+  *out = (inner){*w->host, w, done, count};
+  out->host.log = log_inner;
+  out->host.progress = inner_progress;
 }
 
 static int correct_gates(const correction *m, const sheet *s, opc_bytes *out,
                          opc_error *error) {
-  const work *w = m->on.work;
-  inner in = {*w->host, m};
-  in.host.log = log_inner;
-  in.host.progress = inner_progress;
+  work *w = m->on.work;
+  inner in;
+  correction_host(w, m->on.done, m->on.pages.count, &in);
   correct_settings with = *w->with;
   with.margin = w->gap * w->chip->grid;
+  if (m->wide && work_is_fast(w)) with.fine = 0;
   loop l;
   correct_loop_init(&l, &in.host, s->gates, &with);
   l.prepared = 1;
@@ -235,7 +226,7 @@ static int correct_gates(const correction *m, const sheet *s, opc_bytes *out,
   eda_mask *begun = m->wide ? fixed_masks(m, s, &l.still) : NULL;
   l.start.mask = begun;
   int code = correct_loop_run(&l, error);
-  if (!code) code = put_all(m, &l, s, out, error);
+  if (!code) code = correction_put(w, &l, s->place, out, error);
   correct_loop_clear(&l);
   eda_mask_free(begun);
   return code;
@@ -262,18 +253,21 @@ static uint32_t add_mask(work *w) {
   eda_grow(&c->mask, &capacity, c->masks + 1, sizeof *c->mask);
   capacity = w->mask_capacity;
   eda_grow(&w->before, &capacity, c->masks + 1, sizeof *w->before);
+  capacity = w->mask_capacity;
+  if (w->cells.used)
+    eda_grow(&w->alone, &capacity, c->masks + 1, sizeof *w->alone);
   w->mask_capacity = capacity;
+  if (w->cells.used) w->alone[c->masks] = (alone){.known = 0};
   return (uint32_t)c->masks++;
 }
 
-/* Store the mask of a record. In a refinement, the new mask keeps the drawn
-   figures of the replaced mask, because the refinement does not simulate drawn
-   neighbours. */
-static void take_mask(correction *m, const corrected *one, const char *bytes) {
-  work *w = m->on.work;
+uint32_t correction_take(work *w, const char *at) {
   eda_chip *c = w->chip;
-  eda_chip_mask mask = one->mask;
+  corrected one;
+  memcpy(&one, at, sizeof one);
+  eda_chip_mask mask = one.mask;
   size_t parts = mask.parts * sizeof *c->part;
+  const char *bytes = at + sizeof one;
   mask.part = (uint32_t)c->parts;
   mask.box = (uint32_t)c->boxes;
   eda_grow(&c->part, &w->part_capacity, c->parts + mask.parts, sizeof *c->part);
@@ -283,33 +277,52 @@ static void take_mask(correction *m, const corrected *one, const char *bytes) {
     memcpy(c->box + c->boxes, bytes + parts, mask.boxes * sizeof *c->box);
   c->parts += mask.parts;
   c->boxes += mask.boxes;
-  uint32_t k = m->mask[one->place] = add_mask(w);
-  uint32_t was = c->gate[m->on.number[one->place]].mask;
+  uint32_t k = add_mask(w);
   c->mask[k] = mask;
-  w->before[k] = m->wide ? w->before[was] : one->before;
+  w->before[k] = one.before;
+  return k;
+}
+
+const char *correction_begin(work *w, const char *at) {
+  head h;
+  memcpy(&h, at, sizeof h);
+  w->iterations = MAX(w->iterations, h.iterations);
+  w->simulations += h.simulations;
+  w->fine_simulations += h.fine_simulations;
+  return at + sizeof h;
+}
+
+const char *correction_next(const char *at, corrected *out) {
+  memcpy(out, at, sizeof *out);
+  return at + sizeof *out + out->mask.parts * sizeof(eda_part) +
+         out->mask.boxes * sizeof(eda_chip_box);
+}
+
+/* Take the better masks of a refinement. A new mask keeps the drawn figures of
+   the replaced mask, because the refinement does not simulate drawn
+   neighbours. */
+static void take_one(correction *m, const corrected *one, const char *at) {
+  work *w = m->on.work;
+  const eda_chip_gate *g = &w->chip->gate[m->on.number[one->place]];
+  uint32_t was = g->mask, *mask = &m->mask[one->place];
+  if (m->wide && !(one->off < print_beyond(w, g))) return;
+  *mask = correction_take(w, at);
+  if (!m->wide) return;
+  w->before[*mask] = w->before[was];
+  if (w->cells.used) w->alone[*mask] = w->alone[was];
 }
 
 static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
                       opc_error *error) {
   correction *m = data;
-  const eda_chip *c = m->on.work->chip;
-  const char *at = bytes, *end = at + size;
-  head h;
-  corrected one;
+  const char *at = correction_begin(m->on.work, bytes),
+             *end = (const char *)bytes + size;
   (void)i, (void)error;
-  memcpy(&h, at, sizeof h);
-  m->on.work->iterations = MAX(m->on.work->iterations, h.iterations);
-  m->on.work->simulations += h.simulations;
-  m->on.work->fine_simulations += h.fine_simulations;
-  for (at += sizeof h; at < end;) {
-    memcpy(&one, at, sizeof one);
-    at += sizeof one;
-    const eda_chip_gate *g = &c->gate[m->on.number[one.place]];
-    if (!m->wide ||
-        one.off < print_beyond(m->on.work, &m->on.work->print[g->print]))
-      take_mask(m, &one, at);
-    at += one.mask.parts * sizeof(eda_part) +
-          one.mask.boxes * sizeof(eda_chip_box);
+  while (at < end) {
+    corrected one;
+    const char *next = correction_next(at, &one);
+    take_one(m, &one, at);
+    at = next;
   }
   return OPC_OK;
 }
@@ -328,12 +341,31 @@ static int correct_selected(correction *m, opc_error *error) {
                      error);
 }
 
-int correct_classes(work *w, opc_error *error) {
-  correction m = {.on = {.work = w, .number = w->first, .count = w->classes}};
-  int code = correct_selected(&m, error);
-  for (size_t i = 0; i < w->chip->count && !code; i++)
-    w->chip->gate[i].mask = m.mask[w->chip->gate[i].mask];
+int correct_in_place(work *w, uint32_t *mask, opc_error *error) {
+  uint32_t *number = eda_alloc(w->classes, sizeof *number),
+           *class = eda_alloc(w->classes, sizeof *class);
+  correction m = {.on = {.work = w, .number = number}};
+  for (size_t k = 0; k < w->classes; k++) {
+    if (mask[k] != UINT32_MAX) continue;
+    class[m.on.count] = (uint32_t)k;
+    number[m.on.count++] = w->first[k];
+  }
+  int code = m.on.count ? correct_selected(&m, error) : OPC_OK;
+  for (size_t k = 0; k < m.on.count && !code; k++) mask[class[k]] = m.mask[k];
   free(m.mask);
+  free(number);
+  free(class);
+  return code;
+}
+
+int correct_classes(work *w, opc_error *error) {
+  uint32_t *mask = eda_alloc(w->classes, sizeof *mask);
+  for (size_t k = 0; k < w->classes; k++) mask[k] = UINT32_MAX;
+  int code = w->cells.used ? cells_correct(w, mask, error) : OPC_OK;
+  if (!code) code = correct_in_place(w, mask, error);
+  for (size_t i = 0; i < w->chip->count && !code; i++)
+    w->chip->gate[i].mask = mask[w->chip->gate[i].mask];
+  free(mask);
   return code;
 }
 

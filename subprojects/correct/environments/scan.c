@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cells.h"
 #include "work.h"
 
 /* First value: number of windows per work unit, enough for two to eight cores
@@ -49,7 +50,8 @@ static int scan_window(void *data, size_t i, opc_error *error) {
   for (size_t k = 0; k < g->count && !code; k++)
     if (environment_starts(to->core, g->box[k]))
       to->found[to->count++] =
-          (found){g->box[k], g->type[k], g->axis[k], 0, around[k]};
+          (found){g->box[k], g->type[k], g->axis[k],
+                  0,         around[k],  w->cells.used ? cells_kind(g, k) : 0};
   free(around);
   eda_gates_free(g);
   return code;
@@ -134,7 +136,7 @@ GHashTable *work_sums(void) { return g_hash_table_new(hash_sum, same_sum); }
 static void find_classes(work *w) {
   eda_chip *c = w->chip;
   GHashTable *class_of = work_sums();
-  size_t capacity = 0;
+  size_t capacity = 0, kinds = 0, kind_capacity = 0;
   c->gate = eda_alloc(c->count, sizeof *c->gate);
   for (size_t i = 0; i < c->count; i++) {
     const found *f = &w->found[i];
@@ -142,6 +144,7 @@ static void find_classes(work *w) {
         GPOINTER_TO_UINT(g_hash_table_lookup(class_of, f->around.sum));
     if (!class) {
       EDA_PUSH(w->first, w->classes, capacity, (uint32_t)i);
+      EDA_PUSH(w->kind, kinds, kind_capacity, f->kind);
       class = (guint)w->classes;
       g_hash_table_insert(class_of, (gpointer)f->around.sum,
                           GUINT_TO_POINTER(class));

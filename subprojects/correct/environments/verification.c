@@ -133,6 +133,8 @@ static int make_mask(const work *w, const sheet *s, eda_mask *m,
   eda_performance_init(&m->design, g->count);
   for (size_t i = 0; i < g->count; i++)
     eda_chip_move(w->chip, s->of[i], g->box[i], m->moved, i);
+  for (size_t i = 0; i < g->count && w->cells.used; i++)
+    m->moved->seen[i] = w->alone[w->chip->gate[s->of[i]].mask].seen;
   int code = eda_measure_drawn(w->host->context, g, w->with->extractor,
                                &m->design, error);
   for (size_t k = 0; k < g->layers && !code; k++)
@@ -145,7 +147,10 @@ static int print_mask(const work *w, eda_mask *m, double **extension,
                       opc_error *error) {
   correct_settings with = *w->with;
   with.margin = w->gap * w->chip->grid;
-  return correct_print(&with, w->host, 0, m, NULL, extension, error);
+  if (work_is_fast(w)) with.fine = 0;
+  int code = correct_print(&with, w->host, 0, m, NULL, extension, error);
+  if (!code && work_is_fast(w)) correct_start_correct(m->moved, &m->after);
+  return code;
 }
 
 static void put_all(const eda_mask *m, const sheet *s, const double *extension,
@@ -204,8 +209,18 @@ double print_deviation(const class_result *p) {
   return fabs(eda_deviation(p->after.ion, p->design.ion));
 }
 
-double print_beyond(const work *w, const class_result *p) {
+int work_is_fast(const work *w) {
+  return w->cells.used && !isnan(w->cells.max_diff) && w->with->fine > 0;
+}
+
+double print_beyond(const work *w, const eda_chip_gate *g) {
+  const class_result *p = &w->print[g->print];
   double limit = tuned.split * w->with->ion_limit, off = print_deviation(p);
+  if (w->cells.used && !isnan(w->cells.max_diff)) {
+    const alone *a = &w->alone[g->mask];
+    double alone_off = a->known ? print_deviation(&a->result) : 0;
+    limit = w->cells.max_diff + (isfinite(alone_off) ? alone_off : 0);
+  }
   return off > limit ? off : p->violations ? limit : NAN;
 }
 
@@ -239,10 +254,24 @@ static int take_sheet(void *data, size_t i, const void *bytes, size_t size,
   return OPC_OK;
 }
 
+/* Set the figures of the new prints to those in their cells. Return 0 if a mask
+   was not made in a cell. */
+static int take_alone(work *w, size_t first) {
+  const eda_chip *c = w->chip;
+  for (size_t k = first; k < c->prints; k++) {
+    const alone *a = &w->alone[c->gate[w->print_first[k]].mask];
+    if (!a->known) return 0;
+    w->print[k] = a->result;
+  }
+  return 1;
+}
+
 int verify_all(work *w, opc_error *error) {
   eda_chip *c = w->chip;
   verify_run p = {.on.work = w, .first = c->prints};
   prints_find(w);
+  if (w->cells.used && !w->cells.verify && take_alone(w, p.first))
+    return OPC_OK;
   p.on.count = c->prints - p.first;
   p.on.number = w->print_first + p.first;
   w->worst = 0;

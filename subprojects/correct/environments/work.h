@@ -22,6 +22,7 @@ typedef struct found {
   eda_box box;
   uint8_t type, axis, unused; /* unused: explicit padding */
   environment around;
+  uint32_t kind; /* cells_kind */
 } found;
 
 typedef struct drawn_print {
@@ -40,6 +41,15 @@ typedef struct class_result {
   uint32_t violations;               /* number of violated design rules */
 } class_result;
 
+/* Figures of a mask in the cell for which it was made. `known`: 0: the mask was
+   made in the layout. `seen`: ln(Ion of a fast simulation / Ion of an accurate
+   one), as in eda_moved. */
+typedef struct alone {
+  class_result result;
+  double seen;
+  uint64_t known;
+} alone;
+
 /* Rule violations (faults.c). */
 typedef struct faults faults;
 
@@ -52,7 +62,8 @@ struct division {
   int32_t radius, window, gap;
   int orientations; /* number of equivalent orientations: 1, 4 or 8 */
   int64_t rounds;
-  size_t round;   /* round of verification */
+  size_t round; /* round of verification */
+  classes_cells cells;
   eda_chip *chip; /* the output of the step */
 
   /* [chip->count], all transistors found by the scan. */
@@ -65,6 +76,8 @@ struct division {
   uint32_t *first;
   size_t classes, mask_capacity, part_capacity, box_capacity;
   drawn_print *before; /* [masks], figures with all edges as drawn */
+  alone *alone;        /* [masks], NULL without cells */
+  uint32_t *kind;      /* [classes] */
 
   /* Classes of equal masked environments, called prints. */
   class_result *print;   /* [chip->prints] */
@@ -97,6 +110,10 @@ void representatives_choose(work *work);
 
 /* Correct the representative of each class in place. (correction.c) */
 int correct_classes(work *work, opc_error *error);
+/* Give each class the mask that its representative has in its cell alone.
+   mask[k] receives the number of the mask of class k. Classes whose
+   representative is not in a cell are not changed. (library.c) */
+int cells_correct(work *work, uint32_t *mask, opc_error *error);
 /* Correct the transistors of n prints individually, with the masks of all other
    transistors fixed. A better mask replaces the mask of all transistors of the
    print. (correction.c) */
@@ -113,9 +130,13 @@ int verify_all(work *work, opc_error *error);
    print. */
 double print_deviation(const class_result *print);
 /* Return the |Ion deviation|, %, below which a new mask replaces the mask of a
-   print. Only prints with a violation, or with a deviation beyond a part of
-   `ion_limit`, are refined; return NAN for other prints. */
-double print_beyond(const work *work, const class_result *print);
+   transistor; NAN: the mask is not refined. A print is refined if it violates a
+   rule, or if it deviates by more than a part of `ion_limit`. With `max_diff`,
+   the limit is the deviation in the cell plus `max_diff` (thesis eq. 4.1). */
+double print_beyond(const work *work, const eda_chip_gate *gate);
+/* Return 1 if the masks are simulated by the fast model, and the results
+   corrected by the ratio of the models in the cells. */
+int work_is_fast(const work *work);
 
 /* Return a new hash table that maps checksums (SUM_SIZE bytes, not owned) to
    numbers. */

@@ -8,6 +8,15 @@
 
 #include <correct/settings.h>
 
+/* Masks of cells, corrected alone, as the first masks of the classes. */
+typedef struct classes_cells {
+  int used;        /* 1: start from the masks of cells */
+  int verify;      /* 0: keep these masks and their figures in the cells */
+  double max_diff; /* largest |Ion deviation| beyond that in the cell, %, for
+                      which a transistor keeps its mask (thesis eq. 4.1); NAN:
+                      as without cells */
+} classes_cells;
+
 /* A layout and the settings of its correction. Texts and settings must outlive
    the mask. */
 typedef struct classes_request {
@@ -21,6 +30,7 @@ typedef struct classes_request {
   double margin;  /* nm, range of optical interaction */
   double window;  /* side of a window, nm */
   int64_t rounds; /* largest number of rounds in which classes are split */
+  classes_cells cells;
 } classes_request;
 
 /* Models of later simulations of the mask; must outlive the mask. */

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Cells of a layout, segmented alone, and the transistors of the layout that
+   are transistors of a cell. */
+#pragma once
+
+#include <eda/chip.h>
+
+/* A cell; coordinates are those of the cell, in grid steps. */
+typedef struct cell {
+  int32_t number;     /* in the layout */
+  eda_gates *gates;   /* shapes and transistors of the cell alone */
+  eda_point corner;   /* lower left corner of its poly and active */
+  size_t used, first; /* number of its matches; index of the first */
+} cell;
+
+/* A transistor of the layout that is transistor `gate` of a cell. */
+typedef struct cell_match {
+  uint32_t place, gate; /* index of the transistor in the request */
+  uint32_t cell;        /* index in cells */
+  uint8_t flip;         /* EDA_FLIP_* of the placed cell */
+} cell_match;
+
+typedef struct cells {
+  cell *cell;
+  cell_match *match; /* ordered by cell, then by place */
+  size_t count, matches, capacity, match_capacity;
+} cells;
+
+/* Return a hash of the drawn L and W, the goal and the flavour of a gate: equal
+   values result in equal masks in equal cells. Callable from any thread. */
+uint32_t cells_kind(const eda_gates *gates, size_t i);
+
+/* Find the cells that contain the n transistors gate[number[i]] of a chip, and
+   segment each cell alone. kind[i]: cells_kind of the transistor. A cell is the
+   outermost one below the top cell that draws poly or active. Omit transistors
+   that are not drawn by a single cell, and cells in an orientation that the
+   optics image differently (`orientations`: number of equivalent ones). The
+   caller frees *out with cells_clear(), also after an error. Call on the main
+   thread. */
+int cells_find(const opc_context *context, const eda_chip *chip,
+               const uint32_t *number, const uint32_t *kind, size_t n,
+               int orientations, cells *out, opc_error *error);
+void cells_clear(cells *cells);
+
+/* Return a SHA-256 checksum of all shapes and transistors of a cell. The caller
+   frees the text with g_free(). */
+char *cells_sum(const eda_gates *cell);
