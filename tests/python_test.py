@@ -191,14 +191,49 @@ SHOWN = {"x", "dpb", "pydpb", "key"}
 
 def test_kit():
     """The example's unit test by the test kit, without opcflow."""
-    subprocess.run(["python3", "-B", os.path.join(EXAMPLES, "synthesizer.pydpb_test.py")], check=True,
+    subprocess.run(["python3", "-B", os.path.join(EXAMPLES, "pydpb_test.py")], check=True,
                    env=dict(os.environ, PYTHONPATH=os.path.dirname(EXAMPLES)),
                    stderr=subprocess.DEVNULL)
 
 
+KINDS = ("synthesizer", "extractor", "resist", "step")
+
+
+def test_new():
+    """A new plugin of each kind passes its test and lint. A synthesizer and its test have at
+    most 40 lines, and the test fails for a method that does nothing."""
+    python = dict(PYTHONPATH=os.path.join(BUILD, "subprojects", "python"))
+    for kind in KINDS:
+        id, folder = kind + ".mine", "new/" + kind
+        written = call("new", "plugin", "--language", "python", id, folder).split()
+        assert os.path.join(folder, id + ".py") in written, written
+        assert not [f for f in written if f.endswith((".c", "meson.build"))], written
+        check = ["python3", "-B", "mine_test.py"]
+        subprocess.run(check, cwd=folder, check=True, env=environment(**python))
+        assert "not checked: nothing" in call("lint", os.path.join(folder, id + ".py"))
+    folder = "new/synthesizer/"
+    with open(folder + "synthesizer.mine.py") as f, open(folder + "mine_test.py") as g:
+        text = f.read()
+        assert len(text.splitlines()) + len(g.read().splitlines()) <= 40
+    write(folder + "synthesizer.mine.py", text.replace("return not", "step[:] = 0\n        return not"))
+    assert subprocess.run(check, cwd=folder, env=environment(**python), capture_output=True).returncode
+    found = call("new", "plugin", "--language", "perl", "synthesizer.mine", code=3)
+    assert "no template in the language 'perl'" in found, found
+
+
+def test_modules():
+    """A file without a dot in its name is a module of plugins, not a plugin."""
+    write("plugins/module.py", "raise SystemExit('executed')\n")
+    write("plugins/test.name.py", "import nothing_of_this_name\n")
+    failed = call("plugins", "--failed")
+    assert "test.name" in failed and "module" not in failed.replace("No module named", ""), failed
+    assert "unknown plugin 'module'" in call("inspect", "module", code=3)
+    os.remove("plugins/test.name.py")
+
+
 def main():
     tests = [test_same_mask, test_inspect, test_key, test_kills, test_time_limit,
-             test_host_killed, test_lint, test_kit]
+             test_host_killed, test_lint, test_kit, test_new, test_modules]
     print("1..%d" % len(tests))
     if subprocess.run(["python3", "-c", "import numpy"], stderr=subprocess.DEVNULL).returncode:
         for i, test in enumerate(tests):

@@ -222,7 +222,8 @@ static loaded *look_for(opc_registry *registry, const char *id) {
   for (guint i = 0; i < registry->folders->len * n && !l->path; i++) {
     l->path = g_strconcat(registry->folders->pdata[i / n], "/", id,
                           registry->endings->pdata[i % n], NULL);
-    if (!g_file_test(l->path, G_FILE_TEST_EXISTS))
+    if ((i % n && !strchr(id, '.')) ||
+        !g_file_test(l->path, G_FILE_TEST_EXISTS))
       g_clear_pointer(&l->path, g_free);
   }
   if (l->path) l->plugin = opc_plugin_load(registry, l->path, id, &l->reason);
@@ -251,9 +252,9 @@ static gint compare_candidates(gconstpointer a, gconstpointer b) {
 char *opc_registry_id(const opc_registry *registry, const char *path) {
   char *id = g_path_get_basename(path);
   for (guint i = 0; i < registry->endings->len; i++) {
-    const char *ending = registry->endings->pdata[i];
-    if (!g_str_has_suffix(id, ending)) continue;
-    id[strlen(id) - strlen(ending)] = 0;
+    char *end = g_strrstr(id, registry->endings->pdata[i]);
+    if (!end || strcmp(end, registry->endings->pdata[i])) continue;
+    if (!i || memchr(id, '.', (size_t)(end - id))) *end = 0;
     break;
   }
   return id;
@@ -268,14 +269,11 @@ static GPtrArray *list_candidates(const opc_registry *registry,
     g_autoptr(GPtrArray) names = opc_folder_names(folder);
     for (guint j = 0; names && j < names->len; j++) {
       const char *name = names->pdata[j];
-      char *id = opc_registry_id(registry, name);
-      if (!g_str_has_prefix(name, prefix) || *name == '.' ||
-          !strcmp(id, name)) {
-        g_free(id);
+      g_autofree char *id = opc_registry_id(registry, name);
+      if (!g_str_has_prefix(name, prefix) || *name == '.' || !strcmp(id, name))
         continue;
-      }
       opc_candidate *c = g_new0(opc_candidate, 1);
-      c->id = id;
+      c->id = g_steal_pointer(&id);
       c->path = g_build_filename(folder, name, NULL);
       g_ptr_array_add(list, c);
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Search and loading of plugins. The plugin ID is the file ID.so, or
    ID.EXT with a plugin loader.EXT, in the first folder of the search order that
-   has such a file. */
+   has such a file. A file ID.EXT whose id has one word is no plugin. */
 #pragma once
 
 #include <glib.h>

@@ -17,13 +17,16 @@
 #include "tools/devel/comparison.h"
 #include "tools/devel/verbs.h"
 
-static const char *wanted;  /* --kind */
-static const char *process; /* --process */
+static const char *wanted;         /* --kind */
+static const char *language = "c"; /* --language */
+static const char *process;        /* --process */
 static gboolean json;
 
 static const cli_option options[] = {
     {"kind", "kind of the plugin (default: first word of NAME)", "KIND",
      .text = &wanted},
+    {"language", "language of the plugin: c (default) or python", "LANGUAGE",
+     .text = &language},
     {"process", "a flow or comparison that extends this one and works on INPUT",
      "NAME", .text = &process},
     {"json", "print the files as JSON", .flag = &json},
@@ -142,6 +145,27 @@ static int make_folder(void) {
   return cli_error(CLI_IO, "'%s': %s", folder, g_strerror(errno));
 }
 
+/* Return the file of a template, "python/FILE", "all/FILE" or of C "FILE"; NULL
+   if the template is of another language. */
+static const char *template_file(const opc_template *t) {
+  const char *slash = strchr(t->name, '/');
+  const char *its = slash ? t->name : "c/";
+  gsize length = strcspn(its, "/");
+  if (strncmp(its, "all/", 4) != 0 &&
+      (strncmp(its, language, length) != 0 || language[length]))
+    return NULL;
+  return slash ? slash + 1 : t->name;
+}
+
+/* Return whether the kind has a plugin in the wanted language. */
+static gboolean has_language(const opc_kind *its) {
+  for (size_t i = 0; i < its->n_templates; i++)
+    if (template_file(&its->templates[i]) &&
+        !g_str_has_prefix(its->templates[i].name, "all/"))
+      return TRUE;
+  return FALSE;
+}
+
 /* Write the built-in templates and those of the kind. Return -1 or the exit
    code. */
 static int new_plugin(const GPtrArray *arguments) {
@@ -153,16 +177,23 @@ static int new_plugin(const GPtrArray *arguments) {
   opc_error error = {0};
   const opc_kind *its = opc_kind_of(cli_registry(), kind, &error);
   if (!its) return cli_fail(&error);
-  g_auto(GStrv) own = own_names(kind);
-  if (!own && !its->n_templates)
-    return cli_error(CLI_PLUGIN, "the kind '%s' has no template", kind);
+  g_autofree char *group = strcmp(language, "c") != 0
+                               ? g_build_path("/", language, kind, NULL)
+                               : g_strdup(kind);
+  g_auto(GStrv) own = own_names(group);
+  if (!own && !has_language(its))
+    return cli_error(CLI_PLUGIN,
+                     "the kind '%s' has no template in the language '%s', "
+                     "expected 'c' or 'python'",
+                     kind, language);
   folder = g_strdup(arguments->len > 2 ? arguments->pdata[2] : id);
   code = make_folder();
   for (guint i = 0; own && own[i] && code < 0; i++)
-    code = put_own(kind, own[i], own[i], FALSE);
-  for (size_t i = 0; i < its->n_templates && code < 0; i++)
-    code =
-        template_write(its->templates[i].name, its->templates[i].text, FALSE);
+    code = put_own(group, own[i], own[i], FALSE);
+  for (size_t i = 0; i < its->n_templates && code < 0; i++) {
+    const char *file = template_file(&its->templates[i]);
+    if (file) code = template_write(file, its->templates[i].text, FALSE);
+  }
   return code;
 }
 

@@ -48,6 +48,7 @@ static size_t extractor_slicing(const void *self, const double **place,
 static int extract_locked(py_instance *in, const eda_slices *s,
                           eda_performance *out, opc_error *error) {
   size_t all = s->count * s->slices;
+  if (!all) return OPC_OK;
   py_worker *w = py_open(in, "extract", error);
   if (!w) return error->code;
   json_object_set_int_member(py_values(w), "slices", (gint64)s->slices);

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Plugins for opcflow in Python.
+"""Plugins for opcflow in Python, and runs of flows.
 
 A file KIND.NAME.py on the plugin path defines one subclass of Synthesizer, Extractor,
-Resist or Step. NumPy is the only dependency.
+Resist or Step. NumPy is the only dependency. run() runs a flow, Run reads a run folder.
 """
 from .data import (ACTIVE, END, NMOS, OPEN, PARTS, PMOS, POLY, VETO_LONGER, VETO_NARROWER,
                    VETO_SHORTER, VETO_WIDER)
@@ -10,7 +10,17 @@ from .parameters import (Invalid, boolean, choice, file, integer, mapping, metri
                          reals, text)
 from .plugins import Extractor, Resist, Step, Synthesizer, gates_input, mask_input
 
+RUNS = ("Failed", "Run", "run")
+
 __all__ = ["ACTIVE", "END", "NMOS", "OPEN", "PARTS", "PMOS", "POLY", "VETO_LONGER",
            "VETO_NARROWER", "VETO_SHORTER", "VETO_WIDER", "Invalid", "boolean", "choice", "file",
            "integer", "mapping", "metric", "output", "real", "reals", "text", "Extractor",
            "Resist", "Step", "Synthesizer", "gates_input", "mask_input"]
+
+
+def __getattr__(name):
+    """Import the module of runs at the first use: processes of plugins do not need it."""
+    if name not in RUNS:
+        raise AttributeError("module 'opcflow' has no attribute '%s'" % name)
+    from . import runs
+    return getattr(runs, name)

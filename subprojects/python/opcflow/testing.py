@@ -45,6 +45,19 @@ def sample_gates(count, length=65.0, width=200.0):
         drawn=[])
 
 
+def field(values, frame=(0, 0, 100, 100)):
+    """Return a field with the given values at the nodes; frame: x0, y0, width, height in nm."""
+    return data.Record(values=np.array(values, np.float32), frame=np.array(frame, float))
+
+
+def slices(width, length):
+    """Return slices of NMOS gates from arrays of the shape (gates, slices), in nm."""
+    middle = np.cumsum(width, axis=1) - width / 2
+    return data.Record(type=np.zeros(len(width), np.uint8), flavour=[], width=width,
+                       length=length,
+                       edge=np.minimum(middle, width.sum(axis=1, keepdims=True) - middle))
+
+
 def figures(ion):
     """Return a performance with the given Ion; the other figures are 1."""
     ion = np.asarray(ion, float)
