@@ -5,6 +5,10 @@
 
 #include <eda/gates.h>
 
+/* Return the integral of the standard normal density from -infinity to z, with
+   an error of at most 1e-7. */
+double normal_distribution(double z);
+
 /* The LOW and HIGH poly edge that move with a gate. Positions along W in grid
    steps from the box of the gate: ends of each edge (from, to); ends of the
    range in which the edges affect the gate (low, high). blur: standard

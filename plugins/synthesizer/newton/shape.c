@@ -135,11 +135,6 @@ ripple ripple_of(const eda_feedback *f, size_t i, const parts *p) {
   return r;
 }
 
-/* Return the normal distribution function. */
-static double normal_distribution(double z) {
-  return 0.5 * erfc(-z * M_SQRT1_2);
-}
-
 /* Return the change of length, nm, at sample j by a step of part k. */
 static double part_effect(const parts *p, int k, int j, double gain,
                           double blur) {
