@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Kill one or all of four ranks of a flow at random moments, and continue the flow
-with another number of ranks. The result must be bit-identical to that of one
-process. KILLS: number of kills; KILL_FLOW: the arguments of `opcflow run`."""
+with another number of ranks. Then kill some of eight independent processes with one
+store, and replace them by others. The results must be bit-identical to those of one
+process. KILLS: number of kills of each kind; KILL_FLOW: the arguments of
+`opcflow run`."""
 import glob
 import json
 import os
@@ -22,16 +24,19 @@ CELLS = "--set layout.file=%s/iscas85/c432/c432.gds --set layout.scale=1.3 --set
 WORDS = os.environ.get("KILL_FLOW", "%s/flows/chip.yaml --variant cheap %s" % (SOURCE, CELLS if DATA else "--set mask.window=3um"))
 
 
-def command(ranks):
+def command(ranks, out="out"):
     start = ["mpirun", "-n", str(ranks), "--oversubscribe", "--bind-to", "none"] if ranks else []
-    return [*start, OPCFLOW, "run", *WORDS.split(), "--threads", "1", "--force", "--output", "out"]
+    return [*start, OPCFLOW, "run", *WORDS.split(), "--threads", "1", "--force", "--output", out]
 
 
-def result():
+def result(out="out"):
     """Return the files of a run, and its kept tasks and outputs."""
-    paths = [p for p in glob.glob("out/**", recursive=True) if os.path.isfile(p) and not p.endswith("manifest.json")]
     found = {}
-    for path in paths + glob.glob("store/entries/*/*.piece") + glob.glob("store/entries/*/*.outputs"):
+    for path in glob.glob(out + "/**", recursive=True):
+        if os.path.isfile(path) and not path.endswith("manifest.json"):
+            with open(path, "rb") as f:
+                found[path[len(out) + 1:]] = f.read()
+    for path in glob.glob("store/entries/*/*.piece") + glob.glob("store/entries/*/*.outputs"):
         with open(path, "rb") as f:
             found[path] = f.read()
     return found
@@ -61,6 +66,44 @@ def kill(dice, seconds, all_of_them):
     return len(glob.glob("store/entries/*/*.piece"))
 
 
+def launch(out):
+    return out, subprocess.Popen(command(0, out), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def kill_workers(dice, seconds, kills):
+    """Start eight processes, kill and replace random ones at random moments, and return the numbers of
+    killed processes that ran, and of the processes with a result."""
+    workers = [launch("w%d" % i) for i in range(8)]
+    killed = 0
+    for i in range(kills):
+        time.sleep(dice.uniform(0, 2) * seconds / kills)
+        _, victim = workers.pop(dice.randrange(len(workers)))
+        victim.kill()
+        killed += victim.wait() == -signal.SIGKILL
+        workers.append(launch("w%d" % (8 + i)))
+    for _, process in workers:
+        assert process.wait() in (0, 1)
+    return killed, [out for out, _ in workers]
+
+
+def count_worker_kills(truth, seconds, dice):
+    """Return the number of killed processes and the number of results that differ."""
+    killed = differs = 0
+    while killed < KILLS:
+        shutil.rmtree("store")
+        now, outs = kill_workers(dice, seconds, dice.randrange(4, 12))
+        killed += now
+        for out in outs:  # units stay in the store if the last process that needs them is killed
+            found = {n: v for n, v in result(out).items() if not n.endswith(".piece")}
+            names = [n for n in {**truth, **found} if found.get(n) != truth.get(n)]
+            differs += bool(names)
+            if names:
+                print("%s differs: %s" % (out, ", ".join(names[:3])))
+        for path in glob.glob("w*") + glob.glob(".w*"):
+            shutil.rmtree(path)
+    return killed, differs
+
+
 def main():
     os.environ.update(OPCFLOW_STORE=os.path.join(os.getcwd(), "store"), OMPI_ALLOW_RUN_AS_ROOT="1",
                       OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
@@ -79,6 +122,9 @@ def main():
         differs += run(dice.choice((0, 2, 4))) != truth
         differs += any(name.startswith(".") for name in os.listdir("."))
     print("%d kills, %d with work units in the store, %d results differ" % (KILLS, middle, differs))
+    killed, different = count_worker_kills(truth, seconds, dice)
+    print("%d of the processes with one store killed, %d results differ" % (killed, different))
+    differs += different
     return [{"name": "kills.differ", "value": differs, "unit": "", "reach": 0, "better": "lower"},
             {"name": "kills.resumed", "value": middle, "unit": "", "reach": None, "better": "higher"}]
 

@@ -24,6 +24,8 @@ typedef struct keeper {
   opc_run *run;
   const opc_flow_step *step;
   const char *path; /* path of the instance relative to the step */
+  char **names;     /* [count], names of the pieces in the store; NULL: not
+                       stored */
   size_t found,
       worked; /* number of results found in the store; number computed here */
   guint64 bytes;      /* size of all results */
@@ -32,18 +34,22 @@ typedef struct keeper {
 
 /* ---- in the store ---- */
 
-/* Return the name of a piece in the store (g_free); NULL if not stored. */
-static char *piece_name(const keeper *k, size_t i) {
+/* Set the names of the pieces in the store. */
+static void pieces_name(keeper *k) {
   const opc_pieces *p = k->pieces;
   const opc_key *key = &k->run->kept.keys[k->step->number];
-  const char *own =
-      k->run->options->store && key->sum && p->key ? p->key(p->data, i) : NULL;
-  if (!own) return NULL;
-  g_autofree char *all =
-      g_strdup_printf("%s\n%s\n%s\n%s", key->sum, k->path, p->name, own);
-  g_autofree char *sum =
-      g_compute_checksum_for_string(G_CHECKSUM_SHA256, all, -1);
-  return g_strconcat(sum, ".piece", NULL);
+  k->names = g_new0(char *, p->count);
+  if (!k->run->options->store || !key->sum || !p->key) return;
+  for (size_t i = 0; i < p->count; i++) {
+    const char *own = p->key(p->data, i);
+    if (!own) continue;
+    g_autofree char *all =
+        g_strdup_printf("%s\n%s\n%s\n%s", key->sum, k->path, p->name, own);
+    g_autofree char *sum =
+        g_compute_checksum_for_string(G_CHECKSUM_SHA256, all, -1);
+    k->names[i] = g_strconcat(sum, ".piece", NULL);
+    g_ptr_array_add(k->run->kept.pieces, k->names[i]);
+  }
 }
 
 static GVariant *piece_find(const keeper *k, const char *name) {
@@ -90,7 +96,7 @@ static GVariant *piece_do(const keeper *k, size_t i, opc_error *error) {
 
 static int kept_work(void *data, size_t i, opc_bytes *out, opc_error *error) {
   keeper *k = data;
-  g_autofree char *name = piece_name(k, i);
+  const char *name = k->names[i];
   g_autoptr(GVariant) piece = piece_find(k, name);
   if (piece) {
     k->found++;
@@ -138,7 +144,7 @@ static void cost_report(const opc_host *host, const keeper *k) {
       p->count ? (double)k->bytes / (double)p->count : 0);
 }
 
-/* ---- distribution over ranks ---- */
+/* ---- distribution ---- */
 
 static double unit_cost(void *data, size_t i) {
   const opc_pieces *p = ((const keeper *)data)->pieces;
@@ -147,8 +153,17 @@ static double unit_cost(void *data, size_t i) {
 
 static int unit_has(void *data, size_t i) {
   const keeper *k = data;
-  g_autofree char *name = piece_name(k, i);
-  return name && opc_store_has(k->run->options->store, name);
+  return k->names[i] && opc_store_has(k->run->options->store, k->names[i]);
+}
+
+static int unit_claim(void *data, size_t i) {
+  const keeper *k = data;
+  return !k->names[i] || opc_store_claim(k->run->options->store, k->names[i]);
+}
+
+static void unit_release(void *data, size_t i) {
+  const keeper *k = data;
+  if (k->names[i]) opc_store_leave(k->run->options->store, k->names[i]);
 }
 
 static GBytes *unit_get(void *data, size_t i, opc_error *error) {
@@ -188,16 +203,15 @@ static int run_pieces(const opc_host *host, const opc_pieces *theirs,
   k.begun = k.last = g_get_monotonic_time();
   const opc_step *functions = run->at->binding->plugin->functions;
   const ranks_group *ranks = opc_run_ranks(run);
-  for (size_t i = 0; i < pieces->count; i++) {
-    char *name = piece_name(&k, i);
-    if (name) g_ptr_array_add(run->kept.pieces, name);
-  }
-  const ranks_units units = {&k,       pieces->name, pieces->count, unit_cost,
-                             unit_has, unit_get,     kept_take,     kept_done};
+  const ranks_units units = {&k,         pieces->name, pieces->count, unit_cost,
+                             unit_has,   unit_get,     kept_take,     kept_done,
+                             unit_claim, unit_release};
+  pieces_name(&k);
   int code = ranks && functions->flags & OPC_STEP_PIECES
                  ? ranks->share(&units, error)
-                 : opc_pieces_alone.run(host, &k.kept, sizeof k.kept, error);
+                 : ranks_share_claimed(&units, host->context, error);
   cost_report(host, &k);
+  g_free(k.names);
   return code;
 }
 

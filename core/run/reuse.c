@@ -151,8 +151,12 @@ static GVariant *find_result(const opc_run *run, const opc_flow_step *step) {
   const opc_key *key = &run->kept.keys[step->number];
   if (!key->sum || step->binding->inner) return NULL;
   g_autofree char *name = name_of(key, ".result");
-  return opc_store_get(run->options->store, name,
-                       G_VARIANT_TYPE(opc_result_type));
+  opc_store *store = run->options->store;
+  opc_store_join(store, key->sum); /* until opc_reuse_keep */
+  GVariant *result =
+      opc_store_get(store, name, G_VARIANT_TYPE(opc_result_type));
+  if (result) opc_store_leave(store, key->sum);
+  return result;
 }
 
 gboolean opc_reuse_take(opc_run *run, const opc_flow_step *step,
@@ -223,8 +227,11 @@ void opc_reuse_keep(opc_run *run, const opc_flow_step *step, guint tables) {
     gboolean outputs = keep_outputs(run, step);
     gboolean kept = opc_store_put(store, name, result);
     if (kept) keep_facts(store, step, key->facts);
-    if (kept && outputs) opc_pieces_drop(run);
+    /* Another process that runs this step still needs its pieces. */
+    if (kept && outputs && opc_store_claim(store, key->sum))
+      opc_pieces_drop(run);
   }
+  if (key->sum) opc_store_leave(store, key->sum);
   store_warn(run);
 }
 

@@ -68,7 +68,8 @@ static void unit_done(void *data, size_t n) {
 
 static int table_share(table *t, opc_error *error) {
   const ranks_units units = {t,        "unit",   UNITS,     unit_cost,
-                             unit_has, unit_get, unit_take, unit_done};
+                             unit_has, unit_get, unit_take, unit_done,
+                             NULL,     NULL};
   return group->share(&units, error);
 }
 

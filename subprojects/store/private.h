@@ -13,6 +13,7 @@ struct opc_store {
   GHashTable *sums;   /* path -> opc_sum */
   gboolean sums_read; /* stored checksums were loaded */
   gboolean sums_new;  /* checksums were added since the last write */
+  int claims;         /* file with the locks of claims; -1: not yet opened */
 };
 
 void opc_sums_init(opc_store *store);

@@ -2,7 +2,8 @@
 /* Files of the store: FOLDER/entries/ab/cdef... has a line of 16 bytes, 64
    digits of the SHA-256 of the remainder, and a GVariant. FOLDER/new/ has files
    being written, locked by their writers. FOLDER/limit has the limit.
-   FOLDER/opcflow-store is an empty file that marks the folder as a store. */
+   FOLDER/claims is an empty file with the locks of claims. FOLDER/opcflow-store
+   is an empty file that marks the folder as a store. */
 #include <store/store.h>
 
 #include <errno.h>
@@ -104,6 +105,7 @@ opc_store *opc_store_open(opc_error *error) {
   }
   opc_store *store = g_new0(opc_store, 1);
   store->limit = find_limit(folder);
+  store->claims = -1;
   store->folder = g_steal_pointer(&folder);
   opc_sums_init(store);
   return store;
@@ -301,6 +303,7 @@ void opc_store_close(opc_store *store) {
   if (!store) return;
   opc_sums_clear(store);
   if (store->written) store_trim(store, store->limit);
+  if (store->claims >= 0) close(store->claims);
   g_free(store->complaint);
   g_free(store->folder);
   g_free(store);

@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The store: values are returned unchanged, damage of any byte is detected,
-   recently used values stay, and checksums of files are correct. */
+   recently used values stay, claims exclude other processes, and checksums of
+   files are correct. */
 #include <store/store.h>
 
 #include <fcntl.h>
 #include <glib/gstdio.h>
+#include <signal.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <store/files.h>
@@ -253,6 +256,59 @@ static void test_mapped(void) {
   opc_store_close(store);
 }
 
+/* ---- claims ---- */
+
+/* Return whether another process gets the claim to a key. */
+static gboolean other_claims(const char *key) {
+  int status, child = fork();
+  if (!child) _exit(opc_store_claim(open_store(), key));
+  g_assert_cmpint(waitpid(child, &status, 0), ==, child);
+  g_assert_true(WIFEXITED(status));
+  return WEXITSTATUS(status);
+}
+
+/* Start a process that joins a key, and that runs until it is killed. */
+static int other_joins(const char *key) {
+  int ready[2];
+  char byte = 0;
+  g_assert_cmpint(pipe2(ready, O_CLOEXEC), ==, 0);
+  int child = fork();
+  if (!child) {
+    opc_store_join(open_store(), key);
+    g_assert_cmpint(write(ready[1], &byte, 1), ==, 1);
+    for (;;) pause();
+  }
+  g_assert_cmpint(read(ready[0], &byte, 1), ==, 1);
+  close(ready[0]);
+  close(ready[1]);
+  return child;
+}
+
+/* A claim excludes other processes, joining excludes claims only, and a killed
+   process loses both. */
+static void test_claims(void) {
+  const char *key = "fedcba9876543210.x", *next = "fedcba9876543220.x";
+  opc_store *store = open_store();
+  g_assert_true(opc_store_claim(store, key));
+  g_assert_true(opc_store_claim(store, key));
+  g_assert_false(other_claims(key));
+  g_assert_true(other_claims(next));
+  opc_store_leave(store, key);
+  g_assert_true(other_claims(key));
+  g_assert_true(opc_store_claim(store, key)); /* the other process has ended */
+  opc_store_leave(store, key);
+
+  int child = other_joins(key);
+  opc_store_join(store, key);
+  g_assert_false(opc_store_claim(store, key));
+  g_assert_cmpint(kill(child, SIGKILL), ==, 0);
+  g_assert_cmpint(waitpid(child, NULL, 0), ==, child);
+  g_assert_true(opc_store_claim(store, key)); /* the last process that joined */
+  g_assert_false(other_claims(key));
+  opc_store_close(store);
+  g_assert_true(other_claims(key));
+}
+
 static void test_builds(void) {
   opc_store *store = open_store();
   const char *own = opc_store_build(store, NULL);
@@ -274,6 +330,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/store/foreign", test_foreign);
   g_test_add_func("/store/sums", test_sums);
   g_test_add_func("/store/mapped", test_mapped);
+  g_test_add_func("/store/claims", test_claims);
   g_test_add_func("/store/builds", test_builds);
   int code = g_test_run();
   opc_remove_tree(folder);

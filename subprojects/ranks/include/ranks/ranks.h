@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Processes of one run, started by mpirun: the ranks, counted from 0. All ranks
-   make the same calls in the same order. The object linked to MPI is loaded
-   only for a run of several processes. All functions are [main]
-   (opcflow/plugin.h). */
+/* Processes that share work units: those of one run, started by mpirun, and
+   independent ones with a common folder of results. The processes of one run
+   are the ranks, counted from 0, which make the same calls in the same order.
+   The object linked to MPI is loaded only for such a run. All functions are
+   [main] (opcflow/plugin.h). */
 #pragma once
 
 #include <glib.h>
@@ -18,7 +19,7 @@ typedef struct ranks_units {
      first. */
   double (*cost)(void *data, size_t i);
 
-  /* Return whether this rank already has the result of unit i. */
+  /* Return whether this process already has the result of unit i. */
   int (*has)(void *data, size_t i);
 
   /* Return the result of unit i, at most 2^30 bytes; NULL and *error on
@@ -29,8 +30,13 @@ typedef struct ranks_units {
   int (*take)(void *data, size_t i, const void *bytes, size_t size,
               opc_error *error);
 
-  /* Receive the number of finished units of all ranks. */
+  /* Receive the number of finished units: of all ranks, or of this process. */
   void (*done)(void *data, size_t n);
+
+  /* Claim unit i for this process until `release`. Return 0 if another process
+     has claimed the unit. Only for ranks_share_claimed. */
+  int (*claim)(void *data, size_t i);
+  void (*release)(void *data, size_t i);
 } ranks_units;
 
 /* After the user stops the run, all functions return OPC_CANCELLED and do not
@@ -67,6 +73,14 @@ gboolean ranks_launched(int *rank, int *size);
    OPC_NO_PLUGIN on failure. */
 const ranks_group *ranks_load(const char *path, int (*stopped)(void),
                               opc_error *error);
+
+/* Share units with all processes that claim the same units. Call get() for
+   units that have no result and that this process can claim, and wait for the
+   results of all other units. Call take() for all units in ascending order of
+   i. Processes may start and end at any time; a single process computes all
+   units. Returns the first error of get or take, or OPC_CANCELLED. */
+int ranks_share_claimed(const ranks_units *units, const opc_context *context,
+                        opc_error *error);
 
 /* File name and exported function of the shared object. The function returns
    NULL if MPI does not support two threads. */

@@ -70,6 +70,23 @@ gboolean opc_store_clear(opc_store *store, opc_error *error);
 gboolean opc_store_read_size(const char *text, guint64 *bytes);
 gboolean opc_store_set_limit(opc_store *store, guint64 bytes, opc_error *error);
 
+/* ---- claims.c: processes that share work ---- */
+
+/* Claim `key` for this process, until opc_store_leave or the end of the
+   process. Return FALSE if another process has claimed or joined the key.
+   Return TRUE without a claim if the folder is read-only or its file system has
+   no locks; processes may then compute the same value. */
+gboolean opc_store_claim(opc_store *store, const char *key);
+
+/* Join the processes that use `key`, until opc_store_leave or the end of the
+   process. Any number of processes can join a key; none can claim a joined
+   key. A key that another process has claimed is not joined. */
+void opc_store_join(opc_store *store, const char *key);
+
+/* End the claim of this process to `key`, or leave the processes that joined
+   the key. */
+void opc_store_leave(opc_store *store, const char *key);
+
 /* ---- sums.c: checksums of files; an unchanged file is read once ---- */
 
 /* Return the SHA-256 of a file (g_free); NULL and *error as in opc_file_sha256.
