@@ -196,7 +196,7 @@ def test_kit():
                    stderr=subprocess.DEVNULL)
 
 
-KINDS = ("synthesizer", "extractor", "resist", "step")
+KINDS = ("synthesizer", "regulator", "extractor", "resist", "litho", "step")
 
 
 def test_new():
@@ -208,10 +208,10 @@ def test_new():
         written = call("new", "plugin", "--language", "python", id, folder).split()
         assert os.path.join(folder, id + ".py") in written, written
         assert not [f for f in written if f.endswith((".c", "meson.build"))], written
-        check = ["python3", "-B", "mine_test.py"]
-        subprocess.run(check, cwd=folder, check=True, env=environment(**python))
+        subprocess.run(["python3", "-B", "mine_test.py"], cwd=folder, check=True,
+                       env=environment(**python))
         assert "not checked: nothing" in call("lint", os.path.join(folder, id + ".py"))
-    folder = "new/synthesizer/"
+    folder, check = "new/synthesizer/", ["python3", "-B", "mine_test.py"]
     with open(folder + "synthesizer.mine.py") as f, open(folder + "mine_test.py") as g:
         text = f.read()
         assert len(text.splitlines()) + len(g.read().splitlines()) <= 40

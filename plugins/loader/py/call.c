@@ -17,11 +17,15 @@ static const double start_limit = 60;
 
 /* ---- requests ---- */
 
-static JsonObject *request_part(const py_worker *w, const char *name) {
-  return json_object_get_object_member(w->request, name);
+JsonObject *py_values(py_worker *w) {
+  return json_object_get_object_member(w->request, "values");
 }
 
-JsonObject *py_values(py_worker *w) { return request_part(w, "values"); }
+JsonObject *py_object(JsonObject *to, const char *name) {
+  JsonObject *o = json_object_new();
+  json_object_set_object_member(to, name, o);
+  return o;
+}
 
 void py_set_number(JsonObject *object, const char *name, double value) {
   if (value - value == 0)
@@ -74,53 +78,65 @@ void py_request(py_worker *w, const char *call) {
   if (w->request) json_object_unref(w->request);
   w->request = json_object_new();
   json_object_set_string_member(w->request, "call", call);
-  json_object_set_object_member(w->request, "values", json_object_new());
-  json_object_set_object_member(w->request, "arrays", json_object_new());
+  (void)py_object(w->request, "values");
   w->used = 0;
 }
 
 static size_t type_size(const char *type) { return (size_t)(type[1] - '0'); }
 
-void py_add_array(py_worker *w, const char *name, const char *type,
-                  size_t count, const void *data) {
+/* Return the description of an array, {"array": [type, offset, count, width]};
+   NULL if the object has no array of this name. */
+static JsonArray *array_about(JsonObject *from, const char *name) {
+  JsonNode *node = json_object_get_member(from, name);
+  return node && JSON_NODE_HOLDS_OBJECT(node)
+             ? json_object_get_array_member(json_node_get_object(node), "array")
+             : NULL;
+}
+
+void py_add_array(py_worker *w, JsonObject *to, const char *name,
+                  const char *type, size_t count, size_t width,
+                  const void *data) {
   enum { ALIGN = 64 };
   size_t at = (w->used + ALIGN - 1) / ALIGN * ALIGN;
-  size_t bytes = count * type_size(type);
+  size_t bytes = count * width * type_size(type);
+  if (bytes && !data) {
+    json_object_set_null_member(to, name);
+    return;
+  }
   memory_reserve(w, at + bytes);
-  if (bytes && data)
-    memcpy(w->base + at, data, bytes);
-  else
-    memset(w->base + at, 0, bytes);
+  if (bytes) memcpy(w->base + at, data, bytes);
   w->used = at + bytes;
   JsonArray *about = json_array_new();
   json_array_add_string_element(about, type);
   json_array_add_int_element(about, (gint64)at);
   json_array_add_int_element(about, (gint64)count);
-  json_object_set_array_member(request_part(w, "arrays"), name, about);
+  json_array_add_int_element(about, (gint64)width);
+  json_object_set_array_member(py_object(to, name), "array", about);
 }
 
-void py_get_array(const py_worker *w, const char *name, void *to) {
-  JsonArray *about =
-      json_object_get_array_member(request_part(w, "arrays"), name);
-  size_t bytes = (size_t)json_array_get_int_element(about, 2) *
-                 type_size(json_array_get_string_element(about, 0));
+/* Return the size of a described array in bytes. */
+static size_t array_bytes(JsonArray *about) {
+  return (size_t)(json_array_get_int_element(about, 2) *
+                  json_array_get_int_element(about, 3)) *
+         type_size(json_array_get_string_element(about, 0));
+}
+
+void py_get_array(const py_worker *w, JsonObject *from, const char *name,
+                  void *to) {
+  JsonArray *about = array_about(from, name);
+  size_t bytes = about ? array_bytes(about) : 0;
   if (bytes) memcpy(to, w->base + json_array_get_int_element(about, 1), bytes);
 }
 
 const void *py_new_array(const py_worker *w, const char *name, const char *type,
                          size_t *count) {
-  JsonObject *reply = json_node_get_object(w->reply);
-  JsonObject *arrays = json_object_has_member(reply, "arrays")
-                           ? json_object_get_object_member(reply, "arrays")
-                           : NULL;
-  JsonArray *about = arrays && json_object_has_member(arrays, name)
-                         ? json_object_get_array_member(arrays, name)
-                         : NULL;
+  JsonArray *about = array_about(py_result(w), name);
   if (!about || strcmp(json_array_get_string_element(about, 0), type))
     return NULL;
   size_t at = (size_t)json_array_get_int_element(about, 1);
-  *count = (size_t)json_array_get_int_element(about, 2);
-  return at + *count * type_size(type) <= w->size ? w->base + at : NULL;
+  size_t bytes = array_bytes(about);
+  *count = bytes / type_size(type);
+  return at + bytes <= w->size ? w->base + at : NULL;
 }
 
 /* ---- reports ---- */
@@ -332,4 +348,8 @@ int py_call(py_worker *w, const opc_host *host, double limit, py_answer *answer,
 
 JsonObject *py_reply(const py_worker *w) {
   return json_node_get_object(w->reply);
+}
+
+JsonObject *py_result(const py_worker *w) {
+  return json_object_get_object_member(py_reply(w), "values");
 }

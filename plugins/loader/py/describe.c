@@ -155,14 +155,14 @@ static void files_set(py_plugin *plugin, JsonObject *about) {
     plugin->files[i] = json_array_get_string_element(list, i);
 }
 
-int py_functions_set(py_plugin *plugin, const char *kind) {
+static int functions_set(py_plugin *plugin, const char *kind) {
   static const struct {
     const char *kind;
     void (*set)(py_plugin *plugin);
-  } all[] = {{"synthesizer", py_synthesizer_set},
-             {"extractor", py_extractor_set},
-             {"resist", py_resist_set},
-             {"step", py_step_set}};
+  } all[] = {
+      {"synthesizer", py_synthesizer_set}, {"regulator", py_regulator_set},
+      {"extractor", py_extractor_set},     {"litho", py_litho_set},
+      {"resist", py_resist_set},           {"step", py_step_set}};
   for (size_t i = 0; i < G_N_ELEMENTS(all); i++) {
     if (g_strcmp0(kind, all[i].kind)) continue;
     all[i].set(plugin);
@@ -189,7 +189,7 @@ static int descriptor_set(py_plugin *plugin, opc_error *error) {
                                     : 0),
       .check = py_check,
       .clear = py_clear};
-  if (!py_functions_set(plugin, d->kind))
+  if (!functions_set(plugin, d->kind))
     return opc_fail(error, OPC_NO_PLUGIN, NULL,
                     "plugins of the kind '%s' cannot be written in Python",
                     d->kind ? d->kind : "");
@@ -205,8 +205,7 @@ static int describe_ask(py_plugin *plugin, opc_error *error) {
   py_request(w, "describe");
   int code = py_call(w, NULL, describe_limit, NULL, error);
   if (!code)
-    plugin->about = json_node_init_object(
-        json_node_alloc(), json_object_get_object_member(py_reply(w), "about"));
+    plugin->about = json_node_init_object(json_node_alloc(), py_result(w));
   py_worker_free(w);
   return code ? code : descriptor_set(plugin, error);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kinds extractor and resist in Python. Their functions may be called from
-   several threads; the worker computes one call at a time. */
+/* Kinds extractor, resist and litho in Python. Their functions may be called
+   from several threads; the worker computes one call at a time. */
 #include <string.h>
 
 #include "py.h"
@@ -25,9 +25,8 @@ static double *take_array(const py_instance *in, const char *name, size_t *n,
 
 static int extractor_prepare(void *self, opc_error *error) {
   py_instance *in = self;
-  if (!py_open(in, "prepare", error)) return error->code;
-  py_add_parameters(in);
-  int code = py_send(in, NULL, error);
+  py_worker *w = py_open(in, "prepare", 1, error);
+  int code = w ? py_send(in, NULL, error) : error->code;
   if (code) return code;
   g_clear_pointer(&in->place, g_free);
   g_clear_pointer(&in->width, g_free);
@@ -47,32 +46,19 @@ static size_t extractor_slicing(const void *self, const double **place,
 
 static int extract_locked(py_instance *in, const eda_slices *s,
                           eda_performance *out, opc_error *error) {
-  size_t all = s->count * s->slices;
-  if (!all) return OPC_OK;
-  py_worker *w = py_open(in, "extract", error);
-  if (!w) return error->code;
-  json_object_set_int_member(py_values(w), "slices", (gint64)s->slices);
-  JsonArray *flavours = json_array_new();
-  for (size_t i = 0; s->flavour && i < s->count; i++)
-    json_array_add_string_element(flavours, s->flavour[i]);
-  json_object_set_array_member(py_values(w), "flavour", flavours);
-  py_add_array(w, "type", "u1", s->count, s->type);
-  py_add_array(w, "width", "f8", all, s->width);
-  py_add_array(w, "length", "f8", all, s->length);
-  py_add_array(w, "edge", "f8", all, s->edge);
-  eda_performance to = *out; /* has in->count elements, but may not state it */
-  to.count = s->count;
-  py_add_performance(w, "out", &to);
+  py_worker *w = s->count ? py_open(in, "extract", 0, error) : NULL;
+  if (!w) return s->count ? error->code : OPC_OK;
+  JsonObject *o = py_object(py_values(w), "slices");
+  py_add_texts(o, "flavour", s->flavour, s->count);
+  py_add_array(w, o, "type", "u1", s->count, 1, s->type);
+  py_add_array(w, o, "width", "f8", s->count, s->slices, s->width);
+  py_add_array(w, o, "length", "f8", s->count, s->slices, s->length);
+  py_add_array(w, o, "edge", "f8", s->count, s->slices, s->edge);
+  JsonObject *to =
+      py_add_table(w, py_values(w), "out", &py_performance, s->count, out);
   int code = py_send(in, NULL, error);
-  if (code) return code;
-  py_get_array(w, "out.ion", out->ion);
-  py_get_array(w, "out.ioff", out->ioff);
-  py_get_array(w, "out.leq_ion", out->leq_ion);
-  py_get_array(w, "out.leq_ioff", out->leq_ioff);
-  py_get_array(w, "out.weq", out->weq);
-  py_get_array(w, "out.area", out->area);
-  if (out->outside) py_get_array(w, "out.outside", out->outside);
-  return OPC_OK;
+  if (!code) py_get_table(w, to, &py_performance, out);
+  return code;
 }
 
 static int extractor_extract(const void *self, const eda_slices *slices,
@@ -85,12 +71,9 @@ static int extractor_extract(const void *self, const eda_slices *slices,
 }
 
 void py_extractor_set(py_plugin *p) {
-  eda_extractor *f = &p->functions.extractor;
-  *f = (eda_extractor){.prepare = extractor_prepare,
-                       .slicing = extractor_slicing,
-                       .extract = extractor_extract};
-  p->descriptor.functions = f;
-  p->descriptor.functions_size = sizeof *f;
+  *PY_FUNCTIONS(p, extractor) = (eda_extractor){.prepare = extractor_prepare,
+                                                .slicing = extractor_slicing,
+                                                .extract = extractor_extract};
 }
 
 /* ---- resist ---- */
@@ -98,27 +81,23 @@ void py_extractor_set(py_plugin *p) {
 static int resist_prepare(void *self, const opc_module *litho,
                           opc_error *error) {
   py_instance *in = self;
-  if (!py_open(in, "prepare", error)) return error->code;
-  py_add_parameters(in);
-  py_add_scanner(in->worker, eda_scanner_of(litho));
+  py_worker *w = py_open(in, "prepare", 1, error);
+  if (!w) return error->code;
+  py_add_scanner(py_values(w), eda_scanner_of(litho));
   return py_send(in, NULL, error);
 }
 
 static int print_locked(py_instance *in, int layer, eda_field *field,
                         opc_error *error) {
-  py_worker *w = py_open(in, "print", error);
+  py_worker *w = py_open(in, "print", 0, error);
   if (!w) return error->code;
-  JsonObject *values = py_values(w);
-  json_object_set_int_member(values, "layer", layer);
-  json_object_set_int_member(values, "nx", field->nx);
-  json_object_set_int_member(values, "ny", field->ny);
-  const double frame[] = {field->frame.x0, field->frame.y0, field->frame.width,
-                          field->frame.height};
-  py_add_array(w, "frame", "f8", G_N_ELEMENTS(frame), frame);
-  py_add_array(w, "values", "f4", (size_t)field->nx * (size_t)field->ny,
+  JsonObject *o = py_object(py_values(w), "image");
+  json_object_set_int_member(py_values(w), "layer", layer);
+  py_add_frame(w, o, field->frame);
+  py_add_array(w, o, "values", "f4", (size_t)field->ny, (size_t)field->nx,
                field->coefficients);
   int code = py_send(in, NULL, error);
-  if (!code) py_get_array(w, "values", field->coefficients);
+  if (!code) py_get_array(w, o, "values", field->coefficients);
   return code;
 }
 
@@ -134,8 +113,92 @@ static int resist_print(const void *self, int layer, eda_field *field,
 }
 
 void py_resist_set(py_plugin *p) {
-  eda_resist *f = &p->functions.resist;
-  *f = (eda_resist){.prepare = resist_prepare, .print = resist_print};
-  p->descriptor.functions = f;
-  p->descriptor.functions_size = sizeof *f;
+  *PY_FUNCTIONS(p, resist) =
+      (eda_resist){.prepare = resist_prepare, .print = resist_print};
+}
+
+/* ---- litho ---- */
+
+static int litho_prepare(void *self, opc_error *error) {
+  py_instance *in = self;
+  py_worker *w = py_open(in, "prepare", 1, error);
+  int code = w ? py_send(in, NULL, error) : error->code;
+  if (code) return code;
+  in->band = json_object_get_double_member(py_result(w), "band");
+  return OPC_OK;
+}
+
+static double litho_band(const void *self) {
+  return ((const py_instance *)self)->band;
+}
+
+/* Copy the image of the reply, values at nodes, to *out. */
+static int take_image(py_instance *in, eda_frame frame, eda_field *out,
+                      opc_error *error) {
+  size_t n = 0;
+  const float *values = py_new_array(in->worker, "image", "f4", &n);
+  gint64 nx = json_object_get_int_member(py_result(in->worker), "nx");
+  if (!values || nx < 1 || !n || n % (size_t)nx)
+    return opc_fail(error, OPC_FAILED, NULL, "'%s': 'image' returned no image",
+                    in->plugin->id);
+  *out = (eda_field){frame, (int32_t)nx, (int32_t)(n / (size_t)nx),
+                     g_memdup2(values, n * sizeof *values)};
+  return OPC_OK;
+}
+
+static int image_locked(py_instance *in, int layer, const eda_spectrum *mask,
+                        double defocus, eda_field *out, opc_error *error) {
+  py_worker *w = py_open(in, "image", 0, error);
+  if (!w) return error->code;
+  JsonObject *o = py_object(py_values(w), "mask");
+  json_object_set_int_member(py_values(w), "layer", layer);
+  py_set_number(py_values(w), "defocus", defocus);
+  py_set_number(o, "band", mask->band);
+  py_add_frame(w, o, mask->frame);
+  py_add_array(w, o, "spectrum", "f4", (size_t)mask->rows,
+               2 * (size_t)mask->columns, mask->data);
+  int code = py_send(in, NULL, error);
+  return code ? code : take_image(in, mask->frame, out, error);
+}
+
+static int litho_image_at(const void *self, int layer, const eda_spectrum *mask,
+                          double defocus, eda_field *out, opc_error *error) {
+  py_instance *in = (py_instance *)self;
+  g_mutex_lock(&in->lock);
+  int code = image_locked(in, layer, mask, defocus, out, error);
+  g_mutex_unlock(&in->lock);
+  if (!code) eda_field_from_samples(in->host->context, out);
+  return code;
+}
+
+static int litho_image(const void *self, int layer, const eda_spectrum *mask,
+                       eda_field *out, opc_error *error) {
+  return litho_image_at(self, layer, mask, 0, out, error);
+}
+
+/* A failure is logged, because the function of the kind cannot fail. */
+static eda_scanner litho_scanner(const void *self) {
+  py_instance *in = (py_instance *)self;
+  opc_error error;
+  eda_scanner scanner = {0};
+  g_mutex_lock(&in->lock);
+  py_worker *w = py_open(in, "scanner", 1, &error);
+  if (w && !py_send(in, NULL, &error)) {
+    scanner.wavelength =
+        json_object_get_double_member(py_result(w), "wavelength");
+    scanner.na = json_object_get_double_member(py_result(w), "na");
+  } else {
+    in->host->log(in->host, OPC_LOG_WARNING, "%s", error.message);
+  }
+  g_mutex_unlock(&in->lock);
+  return scanner;
+}
+
+void py_litho_set(py_plugin *p) {
+  *PY_FUNCTIONS(p, litho) =
+      (eda_litho){.prepare = litho_prepare,
+                  .band = litho_band,
+                  .image = litho_image,
+                  .image_at = py_defines(p, "focuses") ? litho_image_at : NULL,
+                  .scanner = py_defines(p, "scanner") ? litho_scanner : NULL};
 }

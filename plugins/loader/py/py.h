@@ -4,8 +4,9 @@
 #pragma once
 
 #include <eda/extractor.h>
+#include <eda/litho.h>
+#include <eda/regulator.h>
 #include <eda/resist.h>
-#include <eda/synthesizer.h>
 #include <opcflow/step.h>
 
 #include "worker.h"
@@ -21,6 +22,8 @@ typedef struct py_plugin {
     eda_synthesizer synthesizer;
     eda_extractor extractor;
     eda_resist resist;
+    eda_litho litho;
+    eda_regulator regulator;
     opc_step step;
   } functions;
 } py_plugin;
@@ -32,50 +35,77 @@ typedef struct py_instance {
   py_worker *worker;
   GMutex lock;         /* of the worker, for functions that are [any] */
   double call_limit;   /* s */
+  uint64_t serial;     /* of the gates that the worker has; 0: none */
   GPtrArray *verdicts; /* char *: of all gates; NULL: not requested yet */
   double *target;      /* of `gates` gates; NULL: not requested yet */
   size_t gates, slices;
   double *place, *width; /* [slices] */
+  double band;           /* 1/nm; 0: unknown */
+  eda_box *boxes;        /* that a regulator adds and cuts out */
 } py_instance;
 
 /* Return the descriptor of the plugin in a file; NULL and *error. */
 const opc_plugin *py_describe(const char *path, const char *id,
                               opc_error *error);
-
-/* Set the functions of a kind in a descriptor. Returns 0 for a kind that Python
-   cannot implement. */
-int py_functions_set(py_plugin *plugin, const char *kind);
 /* Return whether the Python class defines a method. */
 int py_defines(const py_plugin *plugin, const char *method);
 
+/* Set the functions of the kinds in a descriptor. */
 void py_synthesizer_set(py_plugin *plugin);
+void py_regulator_set(py_plugin *plugin);
 void py_extractor_set(py_plugin *plugin);
 void py_resist_set(py_plugin *plugin);
+void py_litho_set(py_plugin *plugin);
 void py_step_set(py_plugin *plugin);
+#define PY_FUNCTIONS(plugin, kind)                                         \
+  ((plugin)->descriptor.functions_size = sizeof((plugin)->functions.kind), \
+   (plugin)->descriptor.functions = &(plugin)->functions.kind,             \
+   &(plugin)->functions.kind)
 
 /* Begin a request of an instance and return the worker, started at the first
-   call; NULL and *error. */
-py_worker *py_open(py_instance *instance, const char *call, opc_error *error);
+   call; NULL and *error. `parameters`: with the values of all parameters. */
+py_worker *py_open(py_instance *instance, const char *call, int parameters,
+                   opc_error *error);
 
 /* Send the request of py_open. */
 int py_send(py_instance *instance, py_answer *answer, opc_error *error);
 
-/* Add the values of all parameters except inputs to the request. */
-void py_add_parameters(py_instance *instance);
+/* ---- data (data.c) ---- */
 
-/* Add transistors and layers, or the performance of transistors, under names
-   that begin with PREFIX and a dot. */
-void py_add_gates(py_worker *worker, const char *prefix,
+/* An array of a struct: name, notation of NumPy, offset of the pointer,
+   elements of a gate. */
+typedef struct py_field {
+  const char *name, *type;
+  size_t offset, width;
+} py_field;
+
+typedef struct py_table {
+  const py_field *fields;
+  size_t count;
+} py_table;
+
+extern const py_table py_gates, py_performance, py_feedback, py_moves,
+    py_printed, py_ruling;
+
+/* Add the arrays of a struct of `count` gates as the object `name`, and return
+   the object. NULL in Python: the pointer is NULL. */
+JsonObject *py_add_table(py_worker *worker, JsonObject *to, const char *name,
+                         const py_table *table, size_t count, const void *from);
+/* Copy the arrays of a table, as changed by the call, to a struct. */
+void py_get_table(const py_worker *worker, JsonObject *from,
+                  const py_table *table, const void *to);
+
+void py_add_gates(py_worker *worker, JsonObject *to, const char *name,
                   const eda_gates *gates);
-void py_add_performance(py_worker *worker, const char *prefix,
-                        const eda_performance *performance);
-void py_add_shapes(py_worker *worker, const char *prefix, size_t layer,
-                   const eda_shapes *shapes);
-void py_add_scanner(py_worker *worker, eda_scanner scanner);
-
-/* Add an array named PREFIX.NAME. */
-void py_add_named(py_worker *worker, const char *prefix, const char *name,
-                  const char *type, size_t count, const void *data);
+void py_add_performance(py_worker *worker, JsonObject *to, const char *name,
+                        const eda_performance *performance); /* or NULL */
+void py_add_shapes(py_worker *worker, JsonObject *to, const char *name,
+                   size_t layers, const eda_shapes *shapes);
+void py_add_frame(py_worker *worker, JsonObject *to, eda_frame frame);
+void py_add_scanner(JsonObject *to, eda_scanner scanner);
+/* Add `n` texts (char *const *, NULL: none). */
+void py_add_texts(JsonObject *to, const char *name, const void *texts,
+                  size_t n);
 
 /* Functions of all descriptors. */
 int py_check(void *self, opc_error *error);

@@ -1,40 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests plugins in Python: parameters and data as the plugin receives them,
    results, reports of exceptions, ended processes and endless loops, and
-   synthesizer.pydpb, whose moves equal those of synthesizer.dpb. Each test
-   writes its plugins into the folder of the test. */
-#include <eda/eda.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "tools/devel/testing.h"
-
-static int has_numpy;
-
-/* ---- plugins ---- */
-
-static void write_plugin(const char *id, const char *text) {
-  g_autofree char *file = g_strconcat(id, ".py", NULL);
-  g_autofree char *path = g_build_filename(opc_test_folder(), file, NULL);
-  g_autofree char *whole = g_strconcat(
-      "import os, signal, sys\nimport numpy as np\nfrom opcflow import *\n",
-      text, NULL);
-  g_assert_true(g_file_set_contents(path, whole, -1, NULL));
-}
-
-static opc_module *make(const char *id, const char *parameters) {
-  opc_error error = {0};
-  opc_module *m = opc_test_module(id, parameters, &error);
-  if (!m) g_assert_cmpstr(error.message, ==, "");
-  return m;
-}
-
-/* Skip a test without NumPy. Returns whether NumPy is missing. */
-static int is_skipped(void) {
-  if (!has_numpy) g_test_skip("python3 has no NumPy");
-  return !has_numpy;
-}
+   synthesizer.pydpb, whose moves equal those of synthesizer.dpb. */
+#include "py_test.h"
 
 /* ---- a step ---- */
 
@@ -399,90 +367,8 @@ static void test_kept(void) {
   g_free(t);
 }
 
-/* ---- models ---- */
-
-static const char extractor[] =
-    "class Formula(Extractor):\n"
-    "    \"\"\"Current in proportion to W / L\"\"\"\n"
-    "    slices = integer('slices', preset=3)\n"
-    "    def slicing(self):\n"
-    "        n = self.slices\n"
-    "        return (np.arange(n) + 0.5) / n, np.full(n, 1 / n)\n"
-    "    def extract(self, s, out):\n"
-    "        out.ion[:] = (s.width / s.length).sum(axis=1) * (1 + s.type)\n"
-    "        out.ioff[:] = s.edge[:, 1]\n"
-    "        out.leq_ion[:], out.leq_ioff[:] = s.length[:, 0], s.length[:, 2]\n"
-    "        out.weq[:] = s.width.sum(axis=1)\n"
-    "        out.area[:] = 7\n"
-    "        out.outside[:] = 1\n";
-
-static void test_extractor(void) {
-  if (is_skipped()) return;
-  write_plugin("extractor.formula", extractor);
-  g_autoptr(opc_module) m = make("extractor.formula", "{}");
-  const eda_extractor *e = m->functions;
-  opc_error error = {0};
-  const double *place, *share;
-  g_assert_cmpint(e->prepare(m->self, &error), ==, OPC_OK);
-  g_assert_cmpint(e->slicing(m->self, &place, &share), ==, 3);
-  g_assert_true(place[1] == 0.5 && share[2] == 1 / 3.0);
-  const uint8_t type[] = {EDA_NMOS, EDA_PMOS};
-  const double width[] = {100, 100, 100, 200, 200, 250};
-  const double length[] = {50, 64, 80, 32, 40, 100};
-  const double edge[] = {1, 2, 3, 4, 5, 6};
-  const eda_slices in = {.count = 2,
-                         .slices = 3,
-                         .type = type,
-                         .width = width,
-                         .length = length,
-                         .edge = edge};
-  eda_performance out;
-  eda_performance_init(&out, 2);
-  g_assert_cmpint(e->extract(m->self, &in, &out, &error), ==, OPC_OK);
-  g_assert_true(out.ion[0] == 100 / 50.0 + 100 / 64.0 + 100 / 80.0);
-  g_assert_true(out.ion[1] == 2 * (200 / 32.0 + 200 / 40.0 + 250 / 100.0));
-  g_assert_true(out.ioff[0] == 2 && out.ioff[1] == 5);
-  g_assert_true(out.leq_ion[1] == 32 && out.leq_ioff[1] == 100);
-  g_assert_true(out.weq[1] == 650 && out.area[0] == 7 && out.outside[1] == 1);
-  eda_performance_clear(&out);
-}
-
-static const char resist[] =
-    "class Level(Resist):\n"
-    "    \"\"\"A threshold that depends on the layer\"\"\"\n"
-    "    threshold = real('threshold', preset='0.25')\n"
-    "    def prepare(self, scanner): self.na = scanner.na\n"
-    "    def level(self, layer, image):\n"
-    "        assert image.values.shape == (6, 8) and image.frame[2] == 800\n"
-    "        return self.threshold * (1 + layer) - image.values\n";
-
-/* A linear resist acts on values as on coefficients. */
-static void test_resist(void) {
-  if (is_skipped()) return;
-  write_plugin("resist.level", resist);
-  g_autoptr(opc_module) m = make("resist.level", "{}");
-  const eda_resist *r = m->functions;
-  opc_error error = {0};
-  eda_field field = {{0, 0, 800, 600}, 8, 6, eda_alloc(48, sizeof(float))};
-  for (int i = 0; i < 48; i++)
-    field.coefficients[i] = (float)(i * 37 % 48) / 48;
-  g_assert_cmpint(r->prepare(m->self, NULL, &error), ==, OPC_OK);
-  g_assert_cmpint(r->print(m->self, 1, &field, &error), ==, OPC_OK);
-  for (int i = 0; i < 48; i++)
-    g_assert_cmpfloat_with_epsilon(field.coefficients[i],
-                                   0.5 - (i * 37 % 48) / 48.0, 2e-6);
-  eda_field_clear(&field);
-}
-
 int main(int argc, char **argv) {
-  g_test_init(&argc, &argv, NULL);
-  g_autofree char *path =
-      g_strjoin(":", opc_test_folder(), g_getenv("OPCFLOW_PLUGIN_PATH"),
-                g_getenv("OPCFLOW_SOURCE"), NULL);
-  g_autofree char *all =
-      g_strconcat(path, "/subprojects/python/examples", NULL);
-  g_setenv("OPCFLOW_PLUGIN_PATH", all, TRUE);
-  has_numpy = !system("python3 -c 'import numpy' 2>/dev/null");
+  set_up(argc, argv);
   g_test_add_func("/loader.py/step", test_step);
   g_test_add_func("/loader.py/faults", test_faults);
   g_test_add_func("/loader.py/cancel", test_cancel);
@@ -490,7 +376,5 @@ int main(int argc, char **argv) {
   g_test_add_func("/loader.py/interpreter", test_interpreter);
   g_test_add_func("/loader.py/dpb", test_dpb);
   g_test_add_func("/loader.py/kept", test_kept);
-  g_test_add_func("/loader.py/extractor", test_extractor);
-  g_test_add_func("/loader.py/resist", test_resist);
   return g_test_run();
 }

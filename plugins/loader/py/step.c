@@ -76,45 +76,37 @@ static int step_answer(const opc_host *host, const char *what, JsonObject *o,
 
 /* ---- inputs ---- */
 
-static void add_mask(py_worker *w, const char *prefix, const eda_mask *mask) {
-  g_autofree char *design = g_strconcat(prefix, ".design", NULL);
-  g_autofree char *before = g_strconcat(prefix, ".before", NULL);
-  g_autofree char *after = g_strconcat(prefix, ".after", NULL);
-  g_autofree char *gates = g_strconcat(prefix, ".gates", NULL);
-  py_add_gates(w, gates, mask->gates);
-  py_add_performance(w, design, &mask->design);
-  py_add_performance(w, before, &mask->before);
-  py_add_performance(w, after, &mask->after);
-  py_add_named(w, prefix, "flags", "u4", mask->gates->count, mask->flags);
-  for (size_t k = 0; k < mask->layers; k++)
-    py_add_shapes(w, prefix, k, &mask->shapes[k]);
+static void add_mask(py_worker *w, JsonObject *to, const char *name,
+                     const eda_mask *mask) {
+  JsonObject *o = py_object(to, name);
+  py_add_gates(w, o, "gates", mask->gates);
+  py_add_performance(w, o, "design", &mask->design);
+  py_add_performance(w, o, "before", &mask->before);
+  py_add_performance(w, o, "after", &mask->after);
+  py_add_array(w, o, "flags", "u4", mask->gates->count, 1, mask->flags);
+  py_add_shapes(w, o, "shapes", mask->layers, mask->shapes);
 }
 
 static int step_run(void *self, void **outputs, opc_error *error) {
   py_instance *in = self;
-  py_worker *w = py_open(in, "run", error);
+  py_worker *w = py_open(in, "run", 1, error);
   (void)outputs;
   if (!w) return error->code;
   const opc_plugin *d = &in->plugin->descriptor;
-  JsonObject *kinds = json_object_new();
-  py_add_parameters(in);
+  JsonObject *inputs = py_object(py_values(w), "inputs");
   for (size_t i = 0; i < d->n_parameters; i++) {
     const opc_parameter *p = &d->parameters[i];
     const void *object = *(void *const *)((const char *)in + p->offset);
     if (p->type != OPC_INPUT || !object) continue;
-    json_object_set_string_member(kinds, p->name, p->choices);
     if (!strcmp(p->choices, "mask"))
-      add_mask(w, p->name, object);
+      add_mask(w, inputs, p->name, object);
     else
-      py_add_gates(w, p->name, object);
+      py_add_gates(w, inputs, p->name, object);
   }
-  json_object_set_object_member(py_values(w), "inputs", kinds);
   return py_send(in, step_answer, error);
 }
 
 void py_step_set(py_plugin *p) {
-  opc_step *f = &p->functions.step;
-  *f = (opc_step){.run = step_run, .output_size = sizeof(opc_port)};
-  p->descriptor.functions = f;
-  p->descriptor.functions_size = sizeof *f;
+  *PY_FUNCTIONS(p, step) =
+      (opc_step){.run = step_run, .output_size = sizeof(opc_port)};
 }

@@ -26,17 +26,23 @@ JsonObject *py_values(py_worker *worker);
 /* Set a number of a JSON object, null if it is not finite. */
 void py_set_number(JsonObject *object, const char *name, double value);
 
-/* Add an array of `count` elements to the request. `type` is the notation of
-   NumPy: "f8", "f4", "i4", "u4", "u1". `data` NULL: zeros. The Python function
-   can change the elements. */
-void py_add_array(py_worker *worker, const char *name, const char *type,
-                  size_t count, const void *data);
+/* Add an empty object and return it. */
+JsonObject *py_object(JsonObject *to, const char *name);
+
+/* Add an array of `count` rows of `width` elements to an object of the request.
+   `type` is the notation of NumPy: "f8", "f4", "i4", "u4", "u1". `data` NULL:
+   None, unless the array is empty. The Python function can change the
+   elements. */
+void py_add_array(py_worker *worker, JsonObject *to, const char *name,
+                  const char *type, size_t count, size_t width,
+                  const void *data);
 
 /* Copy an array of the request, as changed by the call, to `to`. */
-void py_get_array(const py_worker *worker, const char *name, void *to);
+void py_get_array(const py_worker *worker, JsonObject *from, const char *name,
+                  void *to);
 
-/* Return an array that the reply added, and its number of elements; NULL if
-   there is none of this name and type. Valid until the next request. */
+/* Return an array of the reply, and its number of elements; NULL if there is
+   none of this name and type. Valid until the next request. */
 const void *py_new_array(const py_worker *worker, const char *name,
                          const char *type, size_t *count);
 
@@ -52,5 +58,7 @@ typedef int py_answer(const opc_host *host, const char *what, JsonObject *asked,
 int py_call(py_worker *worker, const opc_host *host, double limit,
             py_answer *answer, opc_error *error);
 
-/* Return the values of the last reply. */
+/* Return the last message of the worker, and the values that a method
+   returned. */
 JsonObject *py_reply(const py_worker *worker);
+JsonObject *py_result(const py_worker *worker);

@@ -1,21 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Plugins for opcflow in Python, and runs of flows.
 
-A file KIND.NAME.py on the plugin path defines one subclass of Synthesizer, Extractor,
-Resist or Step. NumPy is the only dependency. run() runs a flow, Run reads a run folder.
+A file KIND.NAME.py on the plugin path defines one subclass of Synthesizer, Regulator,
+Extractor, Resist, Litho or Step; NumPy is the only dependency. run() runs a flow, Run reads a
+run folder.
 """
 from .data import (ACTIVE, END, NMOS, OPEN, PARTS, PMOS, POLY, VETO_LONGER, VETO_NARROWER,
                    VETO_SHORTER, VETO_WIDER)
 from .parameters import (Invalid, boolean, choice, file, integer, mapping, metric, output, real,
                          reals, text)
-from .plugins import Extractor, Resist, Step, Synthesizer, gates_input, mask_input
+from .plugins import (Extractor, Litho, Regulator, Resist, Step, Synthesizer, gates_input,
+                      mask_input)
 
 RUNS = ("Failed", "Run", "run")
 
 __all__ = ["ACTIVE", "END", "NMOS", "OPEN", "PARTS", "PMOS", "POLY", "VETO_LONGER",
            "VETO_NARROWER", "VETO_SHORTER", "VETO_WIDER", "Invalid", "boolean", "choice", "file",
            "integer", "mapping", "metric", "output", "real", "reals", "text", "Extractor",
-           "Resist", "Step", "Synthesizer", "gates_input", "mask_input"]
+           "Litho", "Regulator", "Resist", "Step", "Synthesizer", "gates_input", "mask_input"]
 
 
 def __getattr__(name):

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Data that plugins receive. Fields have the names and units of the structs of the library eda,
-which the headers eda/gates.h, eda/synthesizer.h and eda/extractor.h document.
+which the headers eda/gates.h, eda/synthesizer.h, eda/regulator.h and eda/extractor.h document.
 
-Gates, layers and parameters stay valid. All other arrays are in memory that the host shares:
-they keep their contents after the call only if the plugin keeps a reference.
+Gates and parameters stay valid. All other arrays are in memory that the host shares: they keep
+their contents after the call only if the plugin keeps a reference.
 """
 import numpy as np
 
@@ -24,15 +24,12 @@ class Record:
         self.__dict__.update(fields)
 
     def __repr__(self):
-        return "Record(%s)" % ", ".join(self.__dict__)
+        return "%s(%s)" % (type(self).__name__, ", ".join(self.__dict__))
 
 
-class Shapes:
+class Shapes(Record):
     """Polygons of a layer in grid steps: polygon p has points[start[p]:start[p + 1]], and is a
     hole if hole[p]."""
-
-    def __init__(self, start, points, hole):
-        self.start, self.points, self.hole = start, points.reshape(-1, 2), hole
 
     def __len__(self):
         return max(0, len(self.start) - 1)
@@ -43,44 +40,47 @@ class Shapes:
         return self.points[self.start[p]:self.start[p + 1]]
 
 
-def part_of(arrays, prefix):
-    """Return the arrays PREFIX.NAME by NAME."""
-    return {name[len(prefix) + 1:]: array for name, array in arrays.items()
-            if name.startswith(prefix + ".") and "." not in name[len(prefix) + 1:]}
+class Spectrum(Record):
+    """Spectrum of a mask in `frame` (x0, y0, width, height in nm) up to the frequency `band` in
+    1/nm; see eda_spectrum in eda/imaging.h. `spectrum` has the shape (rows, 2 * columns)."""
+
+    def coherent(self, transfer, step=32.0):
+        """Return |E|^2 at nodes at most `step` nm apart, shape (ny, nx). E is the mask filtered
+        by transfer(fx, fy), a function of arrays of frequencies in 1/nm."""
+        half = self.spectrum.view(np.complex64)
+        rows, columns = half.shape
+        k = np.arange(1 - columns, columns)
+        l = np.arange(rows) - rows // 2
+        # The mask is real: a[-k, -l] is the conjugate of a[k, l].
+        right = half[l % rows]
+        whole = np.hstack([right[::-1, :0:-1].conj(), right])
+        width, height = self.frame[2:]
+        whole = whole * transfer(k[None, :] / width, l[:, None] / height)
+        nodes = [2 * max(int(np.ceil(side / step / 2)), n)
+                 for side, n in ((height, rows), (width, 2 * columns - 1))]
+        field = np.zeros(nodes, np.complex64)
+        field[np.ix_(l % nodes[0], k % nodes[1])] = whole
+        return np.abs(np.fft.ifft2(field) * field.size) ** 2
 
 
-def performance(arrays, prefix):
-    """Return the performance PREFIX: ion, ioff, leq_ion, leq_ioff, weq, area, outside; None if
-    the request has none."""
-    own = part_of(arrays, prefix)
-    return Record(**own) if own else None
+def decode(value, array):
+    """Return the data of a request: records of values and arrays; array(type, offset, count,
+    width) returns an array."""
+    if isinstance(value, list):
+        return [decode(v, array) for v in value]
+    if not isinstance(value, dict):
+        return value
+    if "array" in value:
+        return array(*value["array"])
+    fields = {name: decode(v, array) for name, v in value.items()}
+    return (Shapes if "hole" in fields else Spectrum if "spectrum" in fields
+            else Record)(**fields)
 
 
-def shapes(arrays, prefix, count):
-    """Return the shapes of all layers."""
-    empty = np.zeros(0, np.int32)
-    return [Shapes(*(arrays.get("%s.shapes.%d.%s" % (prefix, k, name), empty)
-                     for name in ("start", "points", "hole"))) for k in range(count)]
-
-
-def gates(values, arrays, prefix):
-    """Return copies of all data of transistors and layers."""
-    own = Record(**values[prefix])
-    arrays = {name: array.copy() for name, array in arrays.items()
-              if name.startswith(prefix + ".")}
-    own.__dict__.update(part_of(arrays, prefix))
-    own.box = own.box.reshape(-1, 4)
-    own.space = own.space.reshape(-1, 2)
-    own.extension = own.extension.reshape(-1, 2)
-    own.drawn = shapes(arrays, prefix, len(own.layers))
-    return own
-
-
-def mask(values, arrays, prefix):
-    """Return a mask: gates, design, before, after, flags, and the shapes of each layer."""
-    own = Record(gates=gates({prefix + ".gates": values[prefix + ".gates"]}, arrays,
-                             prefix + ".gates"), flags=arrays[prefix + ".flags"])
-    for name in ("design", "before", "after"):
-        setattr(own, name, performance(arrays, prefix + "." + name))
-    own.shapes = shapes(arrays, prefix, len(own.gates.layers))
-    return own
+def copied(value):
+    """Return a copy of the data that stays valid."""
+    if isinstance(value, list):
+        return [copied(v) for v in value]
+    if isinstance(value, Record):
+        return type(value)(**{name: copied(v) for name, v in vars(value).items()})
+    return value.copy() if isinstance(value, np.ndarray) else value

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Base classes of plugins, one for each kind. Methods that begin with `call_` translate a request
-of the host into a call of the plugin's method."""
+of the host into a call of the plugin's method. `self.gates` are the transistors of a loop."""
 import numpy as np
 
 from . import data
@@ -55,8 +55,7 @@ class Plugin:
             if isinstance(member, Parameter) and member.describe()["name"] in values:
                 setattr(self, name, values[member.describe()["name"]])
 
-    def call_check(self, values, arrays):
-        self.set_parameters(values["parameters"])
+    def call_check(self):
         self.check()
 
 
@@ -71,37 +70,59 @@ class Synthesizer(Plugin):
     def begin(self, feedback):
         """Start a loop."""
 
-    def feedback(self, values, arrays):
-        return data.Record(
-            iteration=values["iteration"], ion_limit=values["ion_limit"], gates=self.gates,
-            scanner=data.Record(**values["scanner"]),
-            design=data.performance(arrays, "design"), printed=data.performance(arrays, "printed"),
-            **{name: arrays.get(name) for name in ("flags", "vetoes", "end", "next_end")})
+    def call_begin(self, feedback):
+        self.begin(self.complete(feedback))
 
-    def call_begin(self, values, arrays):
-        self.set_parameters(values["parameters"])
-        self.gates = data.gates(values, arrays, "gates")
-        self.begin(self.feedback(values, arrays))
+    def complete(self, feedback):
+        feedback.gates, feedback.scanner = self.gates, self.scanner
+        return feedback
 
-    def call_update(self, values, arrays):
-        moves = data.Record(**data.part_of(arrays, "moves"))
-        if hasattr(moves, "part"):
+    def call_update(self, feedback, moves):
+        if moves.part is not None:
             moves.part = moves.part.reshape(-1, data.PARTS, 3)
-        done = self.update(self.feedback(values, arrays), moves)
+        done = self.update(self.complete(feedback), moves)
         if not isinstance(done, (bool, np.bool_)):
             raise TypeError("update must return True or False, found %r" % (done,))
         return {"done": bool(done)}
 
-    def call_verdicts(self, values, arrays):
+    def call_verdicts(self):
         verdicts = [self.verdict(i) for i in range(self.gates.count)]
         return {"verdicts": [v if v is None else str(v) for v in verdicts]}
 
-    def call_targets(self, values, arrays):
+    def call_targets(self):
         targets = np.asarray(self.targets(), float)
         if targets.shape != (self.gates.count,):
             raise ValueError("targets has the shape %s, expected (%d,)" %
                              (targets.shape, self.gates.count))
-        return {"arrays": {"targets": targets}}
+        return {"targets": targets}
+
+
+class Regulator(Plugin):
+    """Kind regulator. A plugin defines rule(printed, ruling), which changes ruling.vetoes and
+    ruling.end (gates, 2) in place. violations(printed) returns a list of tuples: name of the
+    rule, gate or -1, x, y, value, limit. ruling.transistors is the number of transistors without a
+    failure. ruling.added and ruling.cutouts are lists with an array of boxes (n, 4) for each
+    layer. printed.print is a list of level sets with `values` (ny, nx) and `frame`."""
+
+    kind = "regulator"
+
+    def call_rule(self, printed, ruling):
+        printed.gates, layers = self.gates, range(len(self.gates.layers))
+        ruling.transistors = self.gates.count
+        ruling.added, ruling.cutouts = [[] for _ in layers], [[] for _ in layers]
+        self.rule(printed, ruling)
+        reply = {"transistors": int(ruling.transistors)}
+        for name in ("added", "cutouts"):
+            reply[name] = np.vstack([np.zeros((0, 5), np.int32)] + [
+                np.insert(np.reshape(np.asarray(boxes, np.int32), (-1, 4)), 4, k, axis=1)
+                for k, boxes in enumerate(getattr(ruling, name))])
+        return reply
+
+    def call_violations(self, printed):
+        printed.gates = self.gates
+        found = [tuple(v) for v in self.violations(printed)]
+        return {"rules": [str(v[0]) for v in found],
+                "figures": np.array([v[1:] for v in found], float).reshape(-1, 5)}
 
 
 class Extractor(Plugin):
@@ -114,18 +135,13 @@ class Extractor(Plugin):
     def prepare(self):
         """Prepare the instance once."""
 
-    def call_prepare(self, values, arrays):
-        self.set_parameters(values["parameters"])
+    def call_prepare(self):
         self.prepare()
         place, width = self.slicing()
-        return {"arrays": {"place": np.asarray(place, float), "width": np.asarray(width, float)}}
+        return {"place": np.asarray(place, float), "width": np.asarray(width, float)}
 
-    def call_extract(self, values, arrays):
-        shape = (-1, values["slices"])
-        self.extract(data.Record(type=arrays["type"], flavour=values["flavour"],
-                                 **{name: arrays[name].reshape(shape)
-                                    for name in ("width", "length", "edge")}),
-                     data.performance(arrays, "out"))
+    def call_extract(self, slices, out):
+        self.extract(slices, out)
 
 
 class Resist(Plugin):
@@ -138,13 +154,35 @@ class Resist(Plugin):
     def prepare(self, scanner):
         """Prepare the instance once."""
 
-    def call_prepare(self, values, arrays):
-        self.set_parameters(values["parameters"])
-        self.prepare(data.Record(**values["scanner"]))
+    def call_prepare(self):
+        self.prepare(self.scanner)
 
-    def call_print(self, values, arrays):
-        nodes = arrays["values"].reshape(values["ny"], values["nx"])
-        nodes[...] = self.level(values["layer"], data.Record(values=nodes, frame=arrays["frame"]))
+    def call_print(self, layer, image):
+        image.values[...] = self.level(layer, image)
+
+
+class Litho(Plugin):
+    """Kind litho. A plugin defines band(), the highest frequency of masks in 1/nm, and
+    image(layer, mask, defocus), which returns the intensity at nodes of mask.frame, shape
+    (ny, nx); the clear field has 1. `mask` is a Spectrum. Optional: prepare(); scanner(), which
+    returns wavelength in nm and NA; the attribute focuses = True, if `defocus` has an effect."""
+
+    kind = "litho"
+    optional = ("check", "scanner", "focuses")
+
+    def prepare(self):
+        """Prepare the instance once."""
+
+    def call_prepare(self):
+        self.prepare()
+        return {"band": float(self.band())}
+
+    def call_image(self, layer, mask, defocus):
+        image = np.asarray(self.image(layer, mask, defocus), np.float32)
+        return {"image": image, "nx": image.shape[1]}
+
+    def call_scanner(self):
+        return dict(zip(("wavelength", "na"), map(float, self.scanner())))
 
 
 class Step(Plugin):
@@ -152,10 +190,8 @@ class Step(Plugin):
 
     kind = "step"
 
-    def call_run(self, values, arrays):
-        self.set_parameters(values["parameters"])
-        for name, kind in values["inputs"].items():
-            self.set_parameters({name: getattr(data, kind)(values, arrays, name)})
+    def call_run(self, inputs):
+        self.set_parameters(vars(inputs))
         self.run()
 
     def ask(self, what, **fields):

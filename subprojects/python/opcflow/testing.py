@@ -50,6 +50,28 @@ def field(values, frame=(0, 0, 100, 100)):
     return data.Record(values=np.array(values, np.float32), frame=np.array(frame, float))
 
 
+def clear_mask(band, side=500.0):
+    """Return the spectrum of a clear mask up to a frequency in 1/nm."""
+    n = int(band * side)
+    spectrum = np.zeros((2 * n + 1, 2 * (n + 1)), np.float32)
+    spectrum[0, 0] = 1
+    return data.Spectrum(frame=np.array([0, 0, side, side]), band=band, spectrum=spectrum)
+
+
+def simulation(gates):
+    """Return the arguments of Regulator.rule: a simulation with line ends of 100 nm, and the
+    ruling that the method changes."""
+    n, zeros = gates.count, np.zeros(gates.count, np.int32)
+    printed = data.Record(
+        iteration=1, gates=gates, flags=zeros.astype(np.uint32), l=zeros, w=zeros.copy(),
+        aside=zeros.copy(), extension=np.full((n, 2), 100.0), want_extension=None, want_head=None,
+        shapes=gates.drawn, print=[])
+    ruling = data.Record(vetoes=np.zeros(n, np.uint32), end=np.zeros((n, 2), np.int32),
+                         transistors=n, added=[[] for _ in gates.layers],
+                         cutouts=[[] for _ in gates.layers])
+    return printed, ruling
+
+
 def slices(width, length):
     """Return slices of NMOS gates from arrays of the shape (gates, slices), in nm."""
     middle = np.cumsum(width, axis=1) - width / 2
@@ -77,7 +99,7 @@ def loop(plugin, ion, gates, most=200, flags=None, vetoes=None, ion_limit=0.5):
                         part=np.zeros((n, data.PARTS, 3), np.int32))
     feedback = data.Record(iteration=0, gates=gates, design=figures(np.ones(n)), printed=None,
                            flags=np.zeros(n, np.uint32), vetoes=np.zeros(n, np.uint32),
-                           end=np.zeros(2 * n, np.int32), next_end=np.zeros(2 * n, np.int32),
+                           end=np.zeros((n, 2), np.int32), next_end=np.zeros((n, 2), np.int32),
                            scanner=data.Record(wavelength=193.0, na=0.75), ion_limit=ion_limit)
     plugin.begin(feedback)
     trace, done = [], False

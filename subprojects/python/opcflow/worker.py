@@ -14,7 +14,7 @@ import traceback
 
 import numpy as np
 
-from .data import TYPES
+from .data import TYPES, copied, decode
 from .plugins import Plugin
 
 TALK, LIFE = 3, 4
@@ -71,31 +71,28 @@ class Memory:
             self.map = mmap.mmap(self.file, size)
             self.idle = sys.getrefcount(self.map)
 
-    def arrays(self, described):
-        """Return arrays from {name: [type, offset, count]}."""
-        return {name: np.frombuffer(self.map, TYPES[type], count, offset) if count
-                else np.zeros(0, TYPES[type]) for name, (type, offset, count) in described.items()}
+    def array(self, type, offset, count, width):
+        """Return an array of `count` rows."""
+        array = np.frombuffer(self.map, TYPES[type], count * width, offset) if count * width \
+            else np.zeros(0, TYPES[type])
+        return array if width == 1 else array.reshape(count, width)
 
     def is_kept(self):
         """Return whether an array still refers to the memory."""
         return sys.getrefcount(self.map) > self.idle
 
-    def add(self, arrays, used):
-        """Append arrays after `used` bytes and return their description."""
-        described = {}
-        for name, array in arrays.items():
-            array = np.ascontiguousarray(array, np.float64)
-            used = (used + 63) // 64 * 64
-            if used + array.nbytes > len(self.map):
-                size = 2 * (used + array.nbytes)
-                os.ftruncate(self.file, size)
-                self.map = None
-                self.open(size)
-            view = np.frombuffer(self.map, np.float64, array.size, used)
-            view[:] = array.ravel()
-            described[name] = ["f8", used, array.size]
-            used += array.nbytes
-        return described
+    def add(self, array, used):
+        """Append an array after `used` bytes. Returns its description, and the bytes used."""
+        type = {"f4": "f4", "i4": "i4"}.get(array.dtype.str[1:], "f8")
+        used = (used + 63) // 64 * 64
+        size = used + array.size * TYPES[type]().nbytes
+        if size > len(self.map):
+            os.ftruncate(self.file, 2 * size)
+            self.map = None
+            self.open(2 * size)
+        if array.size:
+            np.frombuffer(self.map, TYPES[type], array.size, used)[:] = array.ravel()
+        return {"array": [type, used, array.size, 1]}, size
 
 
 class Channel:
@@ -150,13 +147,20 @@ def fault(path, error):
 
 
 def call(request, plugin, path, memory):
-    """Execute a request and return the reply."""
+    """Execute a request and return the values of the reply."""
     if request["call"] == "describe":
-        return {"about": {**type(plugin).describe(), "files": sources(path)}}
-    method = getattr(plugin, "call_" + request["call"])
-    reply = method(request["values"], memory.arrays(request["arrays"])) or {}
-    if "arrays" in reply:
-        reply["arrays"] = memory.add(reply["arrays"], request["used"])
+        return {**type(plugin).describe(), "files": sources(path)}
+    values = request["values"]
+    plugin.set_parameters(values.pop("parameters", {}))
+    values = {name: decode(v, memory.array) for name, v in values.items()}
+    for name in ("gates", "scanner"):
+        if name in values:
+            setattr(plugin, name, copied(values.pop(name)))
+    reply = getattr(plugin, "call_" + request["call"])(**values) or {}
+    used = request["used"]
+    for name, value in reply.items():
+        if isinstance(value, np.ndarray):
+            reply[name], used = memory.add(value, used)
     return reply
 
 
@@ -170,7 +174,7 @@ def serve(path, channel, memory, make):
             if plugin is None:
                 plugin = make()()
                 plugin.ask = channel.ask
-            reply = call(request, plugin, path, memory)
+            reply = {"values": call(request, plugin, path, memory)}
         except (Exception, KeyboardInterrupt) as error:
             reply = {"error": fault(path, error)}
         reply["kept"] = memory.is_kept()
