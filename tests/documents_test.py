@@ -7,6 +7,7 @@ has lines `NAME.yaml:LINE:COLUMN: ...`, the check must report exactly these. In 
 the test runs blocks marked `sh` one after another in one folder, after it has written blocks
 marked `yaml NAME`. A block marked `text` lists lines that the commands before it must print,
 in this order; `...` matches any text. Relative links must name a file and a heading that exist.
+The gallery must show each picture that a question of tools/results makes, and no other.
 """
 import glob
 import os
@@ -185,6 +186,8 @@ def main():
     report = Report()
     try_flows(report)
     try_links(report)
+    said = ask([os.path.join(ROOT, "tools", "results"), "--gallery"], ROOT)
+    report.record("pictures of the gallery", said.returncode and said.stdout)
     for path in documents("docs/tutorial/"):
         try_tutorial(report, path)
     print("1..%d" % report.number)

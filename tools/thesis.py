@@ -9,7 +9,11 @@ import shutil
 import plots
 
 DOCUMENT = "docs/background/thesis-results.md"
-CIRCUITS = ("c17", "c432", "c499", "c1355", "c1908")
+GALLERY = "docs/background/gallery.md"
+PICTURES = "docs/images/thesis"
+SMALL = ("c17", "c432", "c499", "c1355", "c1908")
+LARGE = ("c2670", "c3540", "c5315", "c6288", "c7552")
+CIRCUITS = SMALL + LARGE
 DELAYS = ("c17",)
 METHODS = ("epe", "dpb", "ic")
 LABEL = {"epe": "EPE-OPC", "pb": "PB-OPC", "dpb": "DPB-OPC", "ic": "IC-OPC"}
@@ -35,8 +39,9 @@ def metric(folder, step, name):
 
 
 def seconds(folder, step):
+    """Return the processor seconds of a step."""
     with open(os.path.join(folder, "manifest.json")) as f:
-        return json.load(f)["steps"].get(step)
+        return json.load(f)["processor"].get(step)
 
 
 def column(rows, name, keep=lambda row: True):
@@ -92,7 +97,25 @@ def search_table(runs, number):
                 ("judged", "ion_mean", "2"), ("judged", "ion_max", "2"), ("judged", "ioff_mean", "2"),
                 ("judged", "area_mean", "2"), ("cost", "shots", "n"))] + [number(seconds(folder, "best"), "2")])
     return ["search", "settings", "fragment", "step", "iterations", "Ion mean, %", "Ion max, %", "Ioff mean, %",
-            "area mean, %", "shots", "search, s"], rows
+            "area mean, %", "shots", "search, processor, s"], rows
+
+
+def epe_search_table(runs, number):
+    """Tables 3.4 and 5.3: the search for the best EPE-OPC against one correction by DPB- and IC-OPC."""
+    rows = []
+    for circuit in SMALL:
+        folder, other = runs[circuit], runs[circuit + "-dpb"]
+        best = {r["of the best setting"]: r["value"] for r in rows_of(folder, "best.csv")}
+        times = seconds(folder, "best"), seconds(other, "mask"), seconds(runs[circuit + "-ic"], "mask")
+        rows.append([circuit, best["mask.synthesizer.fragment"], best["mask.max_iterations"]] + [
+            number(metric(*one), "2") for one in (
+                (folder, "judged", "ion_mean"), (other, "mask", "ion_mean"), (folder, "judged", "ion_max"),
+                (other, "mask", "ion_max"))] + [
+            number(metric(one, "cost", "mebes_bytes"), "n") for one in (folder, other)] + [
+            number(v, "2") for v in (*times, times[1] / times[0], times[2] / times[0])])
+    return ["circuit", "fragment", "iterations", "Ion mean, %: best EPE-OPC", "DPB-OPC", "Ion max, %: best EPE-OPC",
+            "DPB-OPC", "bytes: best EPE-OPC", "DPB-OPC", "processor: search, s", "DPB-OPC, s", "IC-OPC, s",
+            "DPB / search, s/s", "IC / search, s/s"], rows
 
 
 def circuit_rows(folder):
@@ -114,7 +137,7 @@ def circuits_table(runs, number):
                 number(float(cost[layer]["mebes"]), "n") for layer in ("active", "poly")] + [
                 number(metric(folder, "mask", "iterations"), "n"), number(seconds(folder, "mask"), "2")])
     return ["circuit", "method", "Ion mean, %", "max", "min", "stdv", "area mean, %", "stdv", "active, bytes",
-            "poly, bytes", "iterations", "run time, s"], rows
+            "poly, bytes", "iterations", "processor, s"], rows
 
 
 def benchmark_table(runs, number):
@@ -128,7 +151,7 @@ def benchmark_table(runs, number):
 
 
 def normalized_table(runs, number):
-    """Tables 5.2 and 5.3: bytes and run time divided by those of EPE-OPC."""
+    """Tables 5.2 and 5.3: bytes and processor time divided by those of EPE-OPC."""
     rows = []
     for circuit in CIRCUITS:
         def of(m, layer):
@@ -138,13 +161,13 @@ def normalized_table(runs, number):
                                  for layer in ("active", "poly") for m in ("dpb", "ic")] + [
             number(seconds(runs["%s-%s" % (circuit, m)], "mask") / seconds(runs[circuit + "-epe"], "mask"), "2")
             for m in ("dpb", "ic")])
-    return ["circuit", "active: DPB / EPE", "IC / EPE", "poly: DPB / EPE", "IC / EPE", "DPB / EPE run time, s/s",
-            "IC / EPE run time, s/s"], rows
+    return ["circuit", "active: DPB / EPE", "IC / EPE", "poly: DPB / EPE", "IC / EPE", "processor: DPB / EPE, s/s",
+            "IC / EPE, s/s"], rows
 
 
 def disturbance_table(runs, number):
     rows = []
-    for circuit in CIRCUITS:
+    for circuit in SMALL:
         change = column(rows_of(runs[circuit], "disturbance.csv"), "disturbance")
         worse = [c for c in change if c > 0]
         rows.append([circuit, number(len(change), "n"), number(mean(change), "2"),
@@ -159,11 +182,19 @@ def experiment_rows(folder):
     return {(r["case"], r["method"]): r for r in rows_of(folder, "experiment.csv") if r["folder"]}
 
 
-def pairs_of(folder, name):
-    """Return the values of two methods for all cases that have both."""
-    found = experiment_rows(folder)
-    cases = sorted({case for case, _ in found})
-    both = [(found.get((c, "epe"), {}).get(name), found.get((c, "dpb"), {}).get(name)) for c in cases]
+def cell_rows(runs):
+    """Return the rows of all cells by case and method, with the processor seconds of the correction."""
+    found = {}
+    for folder in runs.values():
+        for (case, m), row in experiment_rows(folder).items():
+            found[case, m] = {**row, "processor": seconds(os.path.join(folder, "compare", case, m), "mask")}
+    return found
+
+
+def pairs_of(runs, name):
+    """Return the values of two methods for all cells that have both."""
+    found = cell_rows(runs)
+    both = [[found.get((c, m), {}).get(name) for m in ("epe", "dpb")] for c in sorted({case for case, _ in found})]
     return [(float(a), float(b)) for a, b in both if a and b]
 
 
@@ -176,14 +207,18 @@ def cells_table(runs, number):
     """Figures 3.10 to 3.12: DPB-OPC against EPE-OPC over all cells."""
     rows = []
     for name, key in CELL_FIGURES:
-        pairs = pairs_of(runs[""], key)
+        pairs = pairs_of(runs, key)
         less = [b < a for a, b in pairs]
         rows.append([name, number(len(pairs), "n"), number(mean([a for a, _ in pairs]), "2"),
                      number(mean([b for _, b in pairs]), "2"), number(mean([b - a for a, b in pairs]), "2"),
                      number(100 * mean(less), "2")])
-    pairs = pairs_of(runs[""], "cost.mebes_bytes")
+    pairs = pairs_of(runs, "cost.mebes_bytes")
     rows.append(["bytes", number(len(pairs), "n")] + [number(mean([p[k] for p in pairs]), "n") for k in (0, 1)] + [
         number(100 * mean([b / a - 1 for a, b in pairs]), "2") + " %", number(100 * mean([b < a for a, b in pairs]), "2")])
+    for name, key, form in (("iterations", "mask.iterations", "2"), ("processor time, s", "processor", "2")):
+        pairs = pairs_of(runs, key)
+        rows.append([name, number(len(pairs), "n")] + [number(mean([p[k] for p in pairs]), form) for k in (0, 1)] + [
+            number(mean([b - a for a, b in pairs]), form), number(100 * mean([b < a for a, b in pairs]), "2")])
     return ["figure", "cells", "EPE-OPC, mean", "DPB-OPC, mean", "difference, mean", "cells with less, %"], rows
 
 
@@ -231,7 +266,7 @@ def chapter2_table(runs, number):
                 number(numeric(run.get("circuit." + side)), "2") for side in ("snm_left_worst", "snm_right_worst")] + [
                 number(cost[layer], "n") for layer in ("poly", "active")] + [number(seconds(folder, "mask"), "2")])
     return ["layout", "method", "Ion, %", "Ioff, %", "tr, %", "tf, %", "tpLH, %", "tpHL, %", "SNM left, %",
-            "SNM right, %", "poly, bytes", "active, bytes", "correction, s"], rows
+            "SNM right, %", "poly, bytes", "active, bytes", "processor, s"], rows
 
 
 CIRCUIT_METHODS = (("epe-once", "EPE"), ("pb-both", "PB"), ("dpb", "DPB"), ("ic", "IC"), ("plain", "newton"),
@@ -331,7 +366,7 @@ def onestep_table(runs, number):
             ("ion_mean_drawn", "2"), ("ion_mean", "2"), ("ion_max", "2"), ("ioff_mean", "2"), ("simulations", "n"),
             ("fine_simulations", "n"))] + [number(seconds(folder, "mask"), "2")])
     return ["correction", "Ion mean as drawn, %", "Ion mean, %", "Ion max, %", "Ioff mean, %", "simulations",
-            "accurate simulations", "correction, s"], rows
+            "accurate simulations", "processor, s"], rows
 
 
 # ---- pictures ----
@@ -352,7 +387,7 @@ def bias_picture(axis):
 
 def transients_picture(runs):
     """Figure 3.9: worst deviations of times over the mean |Ion deviation|, both methods."""
-    found = [r for r in experiment_rows(runs[""]).values() if r.get("circuit.tp_worst")]
+    found = [r for r in experiment_rows(runs["combinational"]).values() if r.get("circuit.tp_worst")]
     ion = [float(r["verify.ion_mean"]) for r in found]
     worst = [float(r["circuit." + k]) for r in found for k in ("tp_worst", "tr_worst", "tf_worst")]
     plot = plots.Plot("mean |Ion deviation| of a cell, %", "worst deviation, %", (0, max(ion) * 1.05),
@@ -363,11 +398,22 @@ def transients_picture(runs):
 
 
 def cells_picture(runs):
-    """Figures 3.10 and 3.11: differences of each cell."""
-    series = [(name.split(",")[0], [b - a for a, b in pairs_of(runs[""], key)]) for name, key in CELL_FIGURES[:3]]
+    """Figure 3.10: differences of each cell."""
+    series = [(name.split(",")[0], [b - a for a, b in pairs_of(runs, key)]) for name, key in CELL_FIGURES[:3]]
     values = [v for _, one in series for v in one]
     plot = plots.Plot("cell", "DPB-OPC - EPE-OPC, points", (0, len(series[0][1]) + 1),
                       (min(values) - 0.2, max(values) + 0.4))
+    for name, one in series:
+        plot.points(name, [(k + 1, v) for k, v in enumerate(one)])
+    return plot.svg()
+
+
+def cell_ratios_picture(runs):
+    """Figures 3.11 and 3.12: bytes and processor time of DPB-OPC over those of EPE-OPC."""
+    series = [(name, [b / a for a, b in pairs_of(runs, key)]) for name, key in (
+        ("bytes", "cost.mebes_bytes"), ("processor time", "processor"))]
+    values = [v for _, one in series for v in one]
+    plot = plots.Plot("cell", "DPB-OPC / EPE-OPC", (0, len(series[0][1]) + 1), (0, max(values) * 1.2))
     for name, one in series:
         plot.points(name, [(k + 1, v) for k, v in enumerate(one)])
     return plot.svg()
@@ -427,8 +473,8 @@ def copied(label, name):
 
 
 def write_pictures(question, runs, root):
-    """Write the pictures of a question to docs/images/thesis."""
-    folder = os.path.join(root, "docs", "images", "thesis")
+    """Write the pictures of a question."""
+    folder = os.path.join(root, PICTURES)
     os.makedirs(folder, exist_ok=True)
     for name, make in question.get("pictures", []):
         made = make(runs)
@@ -475,23 +521,30 @@ def questions(flow, circuit_cases, path_options):
                    ("Ion and Ioff", flow("flows/search.yaml", variant="leakage"))],
              pictures=[("search-chapter2.png", copied("chapter 2", "surface.png")),
                        ("search-chapter3.png", copied("chapter 3", "surface.png"))]),
-        dict(name="circuits", title="EPE-, DPB- and IC-OPC on circuits", make=circuits_table, runs=circuits,
+        dict(name="circuits", title="EPE-, DPB- and IC-OPC on circuits", make=circuits_table, runs=circuits, show=6,
              pictures=[("area-histogram.svg", area_histogram), ("area-trend.svg", area_trend),
                        ("iso-line.svg", iso_line), ("c432-dpb.png", copied("c432-dpb", "mask.png")),
                        ("c432-epe.png", copied("c432-epe", "mask.png"))]),
         dict(name="benchmarks", title="Circuits as drawn", uses="circuits", make=benchmark_table, runs=circuits, show=0),
         dict(name="normalized", title="Bytes and times over EPE-OPC", uses="circuits", make=normalized_table,
              runs=circuits, show=0),
+        dict(name="epe-search", title="The best EPE-OPC of circuits", make=epe_search_table, show=3, runs=[
+            run for c in SMALL for run in (
+                (c, flow("flows/search.yaml", "best.set.layout.file=$DATA/iscas85/%s/%s.gds" % (c, c),
+                         "best.set.layout.scale=1.3")),
+                *((c + "-" + m, circuit(c, "flows/%s.yaml" % m)) for m in ("dpb", "ic")))]),
         dict(name="disturbance", title="Disturbance of placed cells", make=disturbance_table,
              runs=[(c, flow("flows/library.yaml", "layout.file=$DATA/iscas85/%s/%s.gds" % (c, c), "layout.scale=1.3",
-                            *dpb_library, variant="rows")) for c in CIRCUITS],
+                            *dpb_library, variant="rows")) for c in SMALL],
              pictures=[("disturbance.svg", disturbance_histogram),
                        ("disturbance-c432.png", copied("c432", "disturbance.png"))]),
     ]
     nangate = "$DATA/nangate45/NangateOpenCellLibrary"
     cells = ('compare.cases=[{ layout.file: %s.gds, layout.scale: 1.3, netlist.file: %s.cdl, netlist.scale: 1.3,'
-             ' layout.top: ["*_X1", "!*DFF*", "!DL*", "!CLKGATE*", "!LOGIC*", "!FILL*", "!ANTENNA*", "!TAP*"] }]' % (
+             ' layout.top: ["*_X*", "!*DFF*", "!DL*", "!CLKGATE*", "!TLAT*", "!LOGIC*", "!FILL*", "!ANTENNA*", "!TAP*"] }]' % (
                  nangate, nangate))
+    states = ('compare.cases=[{ layout.file: %s.gds, layout.scale: 1.3, layout.top: ["*DFF*", "DL*", "CLKGATE*", "TLAT*"] }]'
+              % nangate)
     delays = [(c, flow("flows/timing-compare.yaml", "compare.methods=[epe, dpb, ic]", circuit_cases(c),
                        *path_options(c))) for c in DELAYS]
     made += [
@@ -511,7 +564,8 @@ def questions(flow, circuit_cases, path_options):
         dict(name="performance", title="Circuits by all methods", make=performance_table,
              runs=[("", flow("flows/chapter2.yaml", variant="circuits"))]),
         dict(name="library-cells", title="All cells by EPE- and DPB-OPC", make=cells_table,
-             runs=[("", flow("flows/chapter3.yaml", cells))],
+             runs=[("combinational", flow("flows/chapter3.yaml", cells)),
+                   ("with state", flow("flows/chapter3.yaml", states, variant="masks"))],
              pictures=[("transients.svg", transients_picture), ("cells.svg", cells_picture)]),
         dict(name="library-dpb", title="Masks from cells by DPB-OPC", make=library_table, show=1, runs=[
             (c, flow("flows/library-compare.yaml", "compare.methods=[dpb_flat, dpb_placed, dpb_2, dpb_0]",
