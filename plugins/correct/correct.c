@@ -63,7 +63,8 @@ static int correct_report_found(loop *l, eda_mask *out, opc_error *error) {
 static int correct_report_guard(const loop *l, opc_error *error) {
   const guard *g = &l->guard;
   if (!l->gates->count) return OPC_OK;
-  correct_findings_of_print(l->host, l->gates, l->measured.flags, g->flags);
+  correct_findings_of_print(l->host, l->gates, NULL, l->measured.flags,
+                            g->flags);
   correct_findings_of_guard(l->host, g, l->hold);
   const opc_metric_value values[] = {{"went_back", (double)g->back},
                                      {"worse", (double)g->worse},

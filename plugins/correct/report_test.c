@@ -532,7 +532,7 @@ static void test_print(void) {
       "first X7:4 at (%g, %g) nm",
       (d.box[3].x0 + d.box[3].x1) / 4.0, (d.box[3].y0 + d.box[3].y1) / 4.0);
   opc_test_forget();
-  correct_findings_of_print(opc_test_host(), &d.gates, d.flags[0],
+  correct_findings_of_print(opc_test_host(), &d.gates, NULL, d.flags[0],
                             d.flags_before);
   assert_said(first, 1);
   assert_said(
@@ -545,7 +545,7 @@ static void test_print(void) {
   assert_said("no transistor of the drawn mask prints", 0);
   for (int i = 0; i < GATES; i++) d.flags_before[i] = EDA_PRINT_OPEN;
   opc_test_forget();
-  correct_findings_of_print(opc_test_host(), &d.gates, d.flags[1],
+  correct_findings_of_print(opc_test_host(), &d.gates, NULL, d.flags[1],
                             d.flags_before);
   assert_said(
       "1 of 14 transistors does not print as one transistor, and has no "
@@ -555,7 +555,7 @@ static void test_print(void) {
   assert_said("no transistor of the drawn mask prints", 1);
   assert_said("beyond the device table", 0);
   opc_test_forget();
-  correct_findings_of_print(opc_test_host(), &d.gates, d.flags[1], NULL);
+  correct_findings_of_print(opc_test_host(), &d.gates, NULL, d.flags[1], NULL);
   assert_said("printed as drawn", 0);
   assert_said("drawn mask prints", 0);
 }

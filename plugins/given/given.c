@@ -70,7 +70,8 @@ static int given_report(const given *s, eda_mask *m, const double *extension,
     code = correct_rules_report(s->host, m->gates, m->shapes, s->with.rules,
                                 error);
   if (!code) code = given_report_worse(s, m, before, error);
-  if (!code) correct_findings_of_print(s->host, m->gates, m->flags, before);
+  if (!code)
+    correct_findings_of_print(s->host, m->gates, NULL, m->flags, before);
   return code ? code : correct_report_mask(s->host, &content, error);
 }
 

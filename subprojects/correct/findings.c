@@ -90,51 +90,64 @@ static char *place_of(const eda_gates *g, size_t i) {
   return place;
 }
 
-static void of_failed(const opc_host *host, const eda_gates *g,
-                      const uint32_t *flags, const uint32_t *before) {
-  size_t bad = 0, lost = 0, first = 0, first_lost = 0, good_before = 0;
-  for (size_t i = g->count; i-- > 0;) {
-    int was_good = before && !eda_print_failed(before[i]);
-    good_before += (size_t)was_good;
-    if (!eda_print_failed(flags[i])) continue;
-    bad++, first = i;
-    if (was_good) lost++, first_lost = i;
-  }
-  if (bad) {
-    char *place = place_of(g, first);
+/* Number of transistors with a fault, and index of the first gate. */
+typedef struct fault {
+  size_t count, first;
+} fault;
+
+static void fault_add(fault *f, size_t i, size_t n) {
+  if (!f->count) f->first = i;
+  f->count += n;
+}
+
+/* Log the faults among `all` transistors. */
+static void log_failed(const opc_host *host, const eda_gates *g, size_t all,
+                       const fault *bad, const fault *lost) {
+  if (bad->count) {
+    g_autofree char *place = place_of(g, bad->first);
     host->log(host, OPC_LOG_FINDING,
               "%zu of %zu transistor%s %s not print as one transistor, and %s "
               "no results: first %s",
-              bad, g->count, plural_of(g->count), verb_of(bad),
-              bad == 1 ? "has" : "have", place);
-    g_free(place);
+              bad->count, all, plural_of(all), verb_of(bad->count),
+              bad->count == 1 ? "has" : "have", place);
   }
-  if (lost) {
-    char *place = place_of(g, first_lost);
+  if (lost->count) {
+    g_autofree char *place = place_of(g, lost->first);
     host->log(host, OPC_LOG_FINDING,
               "%zu transistor%s that printed with the drawn mask %s not print "
               "any more: first %s",
-              lost, plural_of(lost), verb_of(lost), place);
-    g_free(place);
+              lost->count, plural_of(lost->count), verb_of(lost->count), place);
   }
-  if (before && g->count && !good_before)
+}
+
+void correct_findings_of_print(const opc_host *host, const eda_gates *g,
+                               const uint32_t *count, const uint32_t *flags,
+                               const uint32_t *before) {
+  fault bad = {0}, lost = {0};
+  size_t all = 0, outside = 0, good_before = 0;
+  for (size_t i = 0; i < g->count; i++) {
+    size_t n = count ? count[i] : 1;
+    int was_good = before && !eda_print_failed(before[i]);
+    all += n;
+    good_before += was_good ? n : 0;
+    if (!eda_print_failed(flags[i])) {
+      outside += flags[i] & EDA_PRINT_OUTSIDE ? n : 0;
+      continue;
+    }
+    fault_add(&bad, i, n);
+    if (was_good) fault_add(&lost, i, n);
+  }
+  log_failed(host, g, all, &bad, &lost);
+  if (before && all && !good_before)
     host->log(host, OPC_LOG_FINDING,
               "no transistor of the drawn mask prints: check the 'scale' of "
               "the layout, that optics and resist belong to the process, and "
               "that poly and active are not exchanged");
-}
-
-void correct_findings_of_print(const opc_host *host, const eda_gates *g,
-                               const uint32_t *flags, const uint32_t *before) {
-  size_t outside = 0;
-  of_failed(host, g, flags, before);
-  for (size_t i = 0; i < g->count; i++)
-    outside += !eda_print_failed(flags[i]) && (flags[i] & EDA_PRINT_OUTSIDE);
   if (outside)
     host->log(host, OPC_LOG_FINDING,
               "results of %zu of %zu transistors are extrapolated beyond the "
               "device table by the last slope and are not reliable",
-              outside, g->count);
+              outside, all);
 }
 
 /* ---- guard ---- */

@@ -103,6 +103,14 @@ int correct_start_mask(const eda_gates *g, const eda_moved *moved, size_t layer,
   return code;
 }
 
+int correct_start_shapes(eda_mask *m, opc_error *error) {
+  int code = OPC_OK;
+  for (size_t k = 0; k < m->layers && !code; k++)
+    if (m->gates->corrected[k])
+      code = correct_start_mask(m->gates, m->moved, k, &m->shapes[k], error);
+  return code;
+}
+
 /* ---- to a mask ---- */
 
 static eda_box_list copy_of(eda_boxes from) {

@@ -115,8 +115,7 @@ static void make_plain(bench *b) {
    for the corrected mask, but not for the mask before correction. */
 static int find_states(bench *b, opc_error *error) {
   static const int kinds[] = {SIZE_TIMED, SIZE_OFF};
-  if (b->mask && eda_mask_need_flat(b->mask, "circuit.ngspice", error))
-    return error->code;
+  if (b->mask && eda_mask_flat(b->mask, &b->mask, error)) return error->code;
   if (b->mask && b->mask->gates != b->circuit->gates)
     return opc_fail(error, OPC_INVALID, "mask",
                     "the mask and the circuit belong to different gates");

@@ -19,11 +19,25 @@ static const char *const groups[IMAGE_MODELS] = {"first", "second", "third",
 
 /* ---- work ---- */
 
+/* Make the flat mask of the window of a mask by classes, with all shapes within
+   `margin`. */
+static int take_window(image_run *r, opc_error *error) {
+  const eda_mask *mask = r->asked.mask;
+  int code = view_init(&r->view, r->host, mask->gates, "mask", error);
+  if (code) return code;
+  eda_box core = eda_box_grown(view_clip(&r->view),
+                               (int32_t)ceil(r->asked.margin / r->view.grid));
+  return mask->access->window(mask, core, &r->part, error);
+}
+
 static int choose_mask(image_run *r, opc_error *error) {
   const eda_mask *mask = r->asked.mask;
   if (!mask == !r->asked.gates)
     return opc_fail(error, OPC_INVALID, "mask", "set either 'mask' or 'gates'");
-  if (mask && eda_mask_need_flat(mask, "draw.image", error)) return error->code;
+  if (mask && mask->chip) {
+    if (take_window(r, error)) return error->code;
+    mask = r->part;
+  }
   r->gates = mask ? mask->gates : r->asked.gates;
   int layer = eda_gates_layer(r->gates, r->asked.layer);
   const eda_shapes *all = mask ? mask->shapes : r->gates->drawn;
@@ -33,7 +47,9 @@ static int choose_mask(image_run *r, opc_error *error) {
   r->layer = (size_t)layer;
   r->shapes = &all[layer];
   r->corrected = mask != NULL;
-  return view_init(&r->view, r->host, r->gates, mask ? "mask" : "gates", error);
+  return r->part ? OPC_OK
+                 : view_init(&r->view, r->host, r->gates,
+                             mask ? "mask" : "gates", error);
 }
 
 /* Return the part of a plugin's id after the family name. */
@@ -93,6 +109,8 @@ static void image_release(image_run *r) {
     eda_field_clear(&r->model[k].print);
   }
   r->n = 0;
+  eda_mask_free(r->part);
+  r->part = NULL;
 }
 
 static int image_run_step(void *self, void **outputs, opc_error *error) {
@@ -108,18 +126,30 @@ static int image_run_step(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
+/* Return gates with the extent of the simulation. */
+static eda_gates image_outline(const image_run *r) {
+  const eda_mask *mask = r->asked.mask;
+  const double *w = r->view.asked.window.values;
+  eda_gates g = mask ? *mask->gates : *r->asked.gates;
+  if (mask && mask->chip && r->view.asked.window.count)
+    g.extent = (eda_box){(int32_t)(w[0] / g.grid), (int32_t)(w[1] / g.grid),
+                         (int32_t)(w[2] / g.grid), (int32_t)(w[3] / g.grid)};
+  return g;
+}
+
 /* Forecast the largest memory of any model: models run one after another. */
 static int image_forecast(void *self, opc_forecast *out, opc_error *error) {
   image_run *r = self;
   eda_image_size most = {0};
-  const eda_gates *gates =
-      r->asked.mask ? r->asked.mask->gates : r->asked.gates;
   (void)error;
-  if (!gates) return OPC_OK; /* `run` reports the missing input */
+  if (!r->asked.mask && !r->asked.gates)
+    return OPC_OK; /* `run` reports the
+                      missing input */
+  const eda_gates gates = image_outline(r);
   choose_models(r);
   for (size_t k = 0; k < r->n; k++) {
     eda_printer printer;
-    eda_printer_init(&printer, r->host->context, gates, r->model[k].litho,
+    eda_printer_init(&printer, r->host->context, &gates, r->model[k].litho,
                      r->model[k].resist, r->asked.margin);
     eda_image_size size = eda_printer_forecast(&printer, 1);
     if (size.bytes > most.bytes) most = size;

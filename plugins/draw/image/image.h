@@ -49,7 +49,8 @@ typedef struct image_run {
       const char *label;
       const opc_module *litho, *resist;
     } model[IMAGE_MODELS];
-  } asked; /* parameters */
+  } asked;        /* parameters */
+  eda_mask *part; /* flat mask of the window of a mask by classes; NULL: none */
   const eda_gates *gates;
   size_t layer;             /* layer of the gates */
   const eda_shapes *shapes; /* mask of that layer */

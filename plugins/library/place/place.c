@@ -236,7 +236,7 @@ static int place_report(placer *r, const eda_mask *m, const double *extension) {
                           .extension = extension,
                           .biases = &none.biases,
                           .flags_before = good};
-  correct_findings_of_print(host, m->gates, m->flags, NULL);
+  correct_findings_of_print(host, m->gates, NULL, m->flags, NULL);
   int code = correct_report_mask(host, &content, r->error);
   if (!code) code = disturb_report(host, m, known, r->error);
   if (!code && r->p->picture)

@@ -39,14 +39,13 @@ static int write_file(const annotator *s, const char *text, opc_error *error) {
   return opc_fail(error, OPC_IO, NULL, "'%.300s': %s", path, strerror(why));
 }
 
-static int check_mask(const eda_annotation *a, opc_error *error) {
+static int check_mask(eda_annotation *a, opc_error *error) {
   static const char *const states[] = {"drawn", "before", "after"};
   if (a->state == EDA_DRAWN) return OPC_OK;
   if (!a->mask)
     return opc_fail(error, OPC_INVALID, "mask",
                     "a mask is needed for state '%s'", states[a->state]);
-  if (eda_mask_need_flat(a->mask, "netlist.annotate", error))
-    return error->code;
+  if (eda_mask_flat(a->mask, &a->mask, error)) return error->code;
   if (a->mask->gates != a->circuit->gates)
     return opc_fail(error, OPC_INVALID, "mask",
                     "the mask and the circuit belong to different gates");

@@ -156,16 +156,18 @@ static int match_check(const matcher *m, opc_error *error) {
   if (m->mask && m->gates && !same_gates(m->mask->gates, m->gates))
     return opc_fail(error, OPC_INVALID, "gates",
                     "the mask belongs to other gates");
-  return m->mask ? eda_mask_need_flat(m->mask, "netlist.match", error) : OPC_OK;
+  return OPC_OK;
 }
 
 static int match_forecast(void *self, opc_forecast *out, opc_error *error) {
-  (void)out;
+  const matcher *m = self;
+  if (m->mask) out->memory = eda_mask_flat_bytes(m->mask);
   return match_check(self, error);
 }
 
 static int match_run(void *self, void **outputs, opc_error *error) {
-  const matcher *m = self;
+  matcher *m = self;
+  if (m->mask && eda_mask_flat(m->mask, &m->mask, error)) return error->code;
   eda_circuit *circuit = NULL;
   match_task j = {.host = m->host,
                   .error = error,

@@ -117,8 +117,8 @@ static void mean_and_max(const window *w, int ion, double unit, double *mean,
   for (size_t i = 0; i < w->gates->count; i++) {
     double s = fabs(gate_slope(w, i, ion)) * unit;
     if (isnan(s)) continue;
-    n++;
-    *mean += s;
+    n += window_count(w, i);
+    *mean += window_count(w, i) * s;
     *max = fmax(*max, s);
   }
   *mean = n > 0 ? *mean / n : NAN;

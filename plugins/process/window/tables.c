@@ -16,12 +16,13 @@ window_summary window_summarise(const window *w, const window_print *p) {
   for (size_t i = 0; i < n; i++) {
     eda_section c = p->cuts[i];
     double drawn = w->gates->length[i];
+    double count = window_count(w, i);
     if (isnan(c.length)) {
-      s.failed++;
+      s.failed += count;
       continue;
     }
-    good++;
-    s.mean += c.length - drawn;
+    good += count;
+    s.mean += count * (c.length - drawn);
     s.min = fmin(s.min, c.length - drawn);
     s.max = fmax(s.max, c.length - drawn);
     s.nils = fmin(s.nils, drawn * fmin(c.low, c.high));
@@ -81,6 +82,7 @@ static int cut_table(const window *w, opc_error *error) {
     double x, y, defocus, dose, drawn;
     eda_section cut;
     double nils;
+    int64_t count;
   } row;
   const eda_gates *g = w->gates;
   size_t n = w->focus.count * w->dose.count * g->count;
@@ -94,7 +96,8 @@ static int cut_table(const window *w, opc_error *error) {
                     w->dose.values[place % w->dose.count],
                     g->length[i],
                     cut,
-                    g->length[i] * fmin(cut.low, cut.high)};
+                    g->length[i] * fmin(cut.low, cut.high),
+                    (int64_t)window_count(w, i)};
   }
   const opc_column columns[] = {
       {"x", "nm", OPC_REAL, -1, &rows->x},
@@ -105,9 +108,11 @@ static int cut_table(const window *w, opc_error *error) {
       {"printed", "nm", OPC_REAL, 3, &rows->cut.length},
       {"ils_low", "1/nm", OPC_REAL, 6, &rows->cut.low},
       {"ils_high", "1/nm", OPC_REAL, 6, &rows->cut.high},
-      {"nils", NULL, OPC_REAL, 4, &rows->nils}};
-  int code = opc_put_rows(w->host, "cut_lines", 0, n, sizeof *rows,
-                          OPC_ARRAY(columns), error);
+      {"nils", NULL, OPC_REAL, 4, &rows->nils},
+      {"count", NULL, OPC_INT, 0, &rows->count}};
+  size_t used = sizeof columns / sizeof *columns - !w->count;
+  int code = opc_put_rows(w->host, "cut_lines", 0, n, sizeof *rows, columns,
+                          used, error);
   free(rows);
   return code;
 }

@@ -43,9 +43,8 @@ static int window_run(void *self, void **outputs, opc_error *error) {
   (void)outputs;
   if (!w->mask == !w->as_drawn)
     return opc_fail(error, OPC_INVALID, "mask", "set either 'mask' or 'gates'");
-  if (w->mask && eda_mask_need_flat(w->mask, "process.window", error))
-    return error->code;
   w->gates = w->mask ? w->mask->gates : w->as_drawn;
+  w->count = w->mask ? w->mask->count : NULL;
   if (!w->gates->count)
     return opc_fail(error, OPC_INVALID, w->mask ? "mask" : "gates",
                     "the layout has no transistors to measure");
@@ -65,12 +64,12 @@ static int window_run(void *self, void **outputs, opc_error *error) {
 
 static int window_forecast(void *self, opc_forecast *out, opc_error *error) {
   const window *w = self;
-  const eda_gates *gates = w->mask ? w->mask->gates : w->as_drawn;
   eda_printer printer;
-  if (!gates) return OPC_OK; /* `run` reports the missing input */
-  if (w->mask && eda_mask_need_flat(w->mask, "process.window", error))
-    return error->code;
-  eda_printer_init(&printer, w->host->context, gates, w->litho, w->resist,
+  (void)error;
+  if (!w->mask && !w->as_drawn) return OPC_OK; /* `run` reports this */
+  const eda_gates gates =
+      w->mask ? eda_mask_part_outline(w->mask, w->margin) : *w->as_drawn;
+  eda_printer_init(&printer, w->host->context, &gates, w->litho, w->resist,
                    w->margin);
   size_t layers = w->extractor ? 2 : 1;
   eda_image_size one = eda_printer_forecast(&printer, layers);
@@ -78,7 +77,7 @@ static int window_forecast(void *self, opc_forecast *out, opc_error *error) {
   size_t prints =
       w->focus.count * w->dose.count + w->mask_error.count + window_overlays(w);
   eda_printer_clear(&printer);
-  out->memory = one.bytes + (double)prints * (double)gates->count *
+  out->memory = one.bytes + (double)prints * (double)gates.count *
                                 (sizeof(eda_section) + 2 * sizeof(double));
   (void)snprintf(out->work, sizeof out->work,
                  "%zu images of about %.0f x %.0f points, %zu simulations",
@@ -257,7 +256,6 @@ static void window_clear(void *self) {
   clear_prints(w->print, w->focus.count * w->dose.count);
   clear_prints(w->wrong, w->mask_error.count);
   clear_prints(w->shifted, window_overlays(w));
-  eda_performance_clear(&w->design);
   free(w->low);
   free(w->high);
 }

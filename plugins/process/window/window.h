@@ -11,7 +11,8 @@ typedef struct window_print {
   eda_section *cuts;
   double *ion, *ioff; /* ln of printed over drawn current; NAN: failed; NULL: no
                          extractor */
-  eda_spread spread;  /* spread of the currents */
+  eda_spread_sums sums;
+  eda_spread spread; /* spread of the currents, from `sums` */
 } window_print;
 
 typedef struct window {
@@ -29,15 +30,14 @@ typedef struct window {
   double foci[5];               /* default values of `focus`, nm */
   int cut_lines;
   const char *file;
-  const eda_gates *gates;             /* measured gates */
+  const eda_gates *gates; /* measured gates */
+  const uint32_t *count;  /* [gates], transistors of a class; NULL: one each */
   size_t nominal_dose, nominal_focus; /* indices of the values nearest to 0 */
-  eda_performance design; /* drawn transistors; set if an extractor exists */
-  window_print *print;    /* [focus][dose] */
-  window_print *wrong;    /* [mask_error], at nominal dose and
-                             focus */
-  window_print *shifted;  /* [overlays of window_overlays], the same */
-  double *low, *high;     /* range of doses within tolerance, %, per focus; NAN:
-                             none */
+  window_print *print;                /* [focus][dose] */
+  window_print *wrong;   /* [mask_error], at nominal dose and focus */
+  window_print *shifted; /* [overlays of window_overlays], the same */
+  double *low, *high;    /* range of doses within tolerance, %, per focus; NAN:
+                            none */
   double depth_low, depth_high; /* range of foci within tolerance at the nominal
                                    dose, nm; NAN: none */
 } window;
@@ -66,6 +66,11 @@ static inline window_overlay window_overlay_at(const window *w, size_t k) {
   if (x.count) at.x = x.values[k % x.count];
   if (y.count) at.y = y.values[x.count ? k / x.count : k];
   return at;
+}
+
+/* Return the number of transistors that gate i represents. */
+static inline double window_count(const window *w, size_t i) {
+  return w->count ? w->count[i] : 1;
 }
 
 /* ---- prints.c ---- */

@@ -158,10 +158,10 @@ static int score_publish(const score *s, const figures *f, opc_error *error) {
 }
 
 static int score_run(void *self, void **outputs, opc_error *error) {
-  const score *s = self;
+  score *s = self;
   (void)outputs;
   iccad_tile tile;
-  if (eda_mask_need_flat(s->mask, "score.iccad", error)) return error->code;
+  if (eda_mask_flat(s->mask, &s->mask, error)) return error->code;
   int code = place_tile(s, s->mask->gates, &tile, error);
   if (code) return code;
   uint8_t *raster[RASTERS];

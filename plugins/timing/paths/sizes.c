@@ -76,9 +76,9 @@ static int sizes_apply(paths *p, state *s, const printed *q, opc_error *error) {
 /* ---- from a mask ---- */
 
 static int from_mask(paths *p, state *s, opc_error *error) {
+  if (eda_mask_flat(p->mask, &p->mask, error)) return error->code;
   const eda_performance *after = &p->mask->after;
   const printed q = {after->leq_ion, after->weq, after->area};
-  if (eda_mask_need_flat(p->mask, "timing.paths", error)) return error->code;
   if (p->mask->gates != p->circuit->gates)
     return opc_fail(error, OPC_INVALID, "mask",
                     "the mask and the circuit belong to different gates");

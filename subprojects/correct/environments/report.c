@@ -71,60 +71,35 @@ eda_mask *report_mask(work *w) {
 
 /* ---- findings ---- */
 
-/* Number of transistors with a fault, and index of the first class. */
-typedef struct fault {
-  size_t count, first;
-} fault;
-
+/* Numbers of transistors that print with the drawn mask, but not with this
+   mask, or with a larger deviation, and the first class of the latter. */
 typedef struct sums {
-  fault failed, lost, worse, outside;
-  size_t drawn; /* transistors that the drawn mask prints */
+  size_t lost, worse, first;
 } sums;
-
-static void fault_add(fault *f, size_t k, size_t by) {
-  if (by && !f->count) f->first = k;
-  f->count += by;
-}
 
 static void sums_add(const work *w, const eda_mask *m, size_t k, sums *s) {
   const class_result *p = &w->print[k];
-  size_t n = m->count[k];
-  int now = eda_print_failed(p->flags),
-      then = eda_print_failed(p->flags_before);
   double was = fabs(eda_deviation(p->before.ion, p->design.ion));
-  int worse = print_deviation(p) > fmax(was, w->with->ion_limit) + worse_than;
-  if (!then) s->drawn += n;
-  fault_add(&s->failed, k, now ? n : 0);
-  fault_add(&s->lost, k, now && !then ? n : 0);
-  fault_add(&s->worse, k, !now && !then && worse ? n : 0);
-  fault_add(&s->outside, k, !now && (p->flags & EDA_PRINT_OUTSIDE) ? n : 0);
+  if (eda_print_failed(p->flags_before)) return;
+  if (eda_print_failed(p->flags)) {
+    s->lost += m->count[k];
+  } else if (print_deviation(p) > fmax(was, w->with->ion_limit) + worse_than) {
+    if (!s->worse) s->first = k;
+    s->worse += m->count[k];
+  }
 }
 
-static void fault_log(const work *w, const eda_mask *m, const fault *f,
-                      const char *what) {
-  eda_box b = f->count ? m->gates->box[f->first] : (eda_box){0};
+static void log_faults(const work *w, const eda_mask *m, const uint32_t *before,
+                       const sums *s) {
+  eda_box b = s->worse ? m->gates->box[s->first] : (eda_box){0};
   double grid = m->gates->grid;
-  if (f->count)
+  correct_findings_of_print(w->host, m->gates, m->count, m->flags, before);
+  if (s->worse)
     w->host->log(w->host, OPC_LOG_FINDING,
-                 "%zu of %zu transistors %s: the first at (%.10g, %.10g) nm",
-                 f->count, m->chip->count, what,
-                 ((double)b.x0 + b.x1) / 2 * grid,
+                 "%zu of %zu transistors deviate more than with the drawn mask "
+                 "and more than the limit: the first at (%.10g, %.10g) nm",
+                 s->worse, m->chip->count, ((double)b.x0 + b.x1) / 2 * grid,
                  ((double)b.y0 + b.y1) / 2 * grid);
-}
-
-static void log_faults(const work *w, const eda_mask *m, const sums *s) {
-  fault_log(w, m, &s->failed,
-            "do not print as one transistor and have no figures");
-  fault_log(w, m, &s->lost, "print with the drawn mask but not with this mask");
-  fault_log(w, m, &s->worse,
-            "deviate more than with the drawn mask and more than the limit");
-  fault_log(w, m, &s->outside,
-            "have figures extrapolated beyond the device table");
-  if (!s->drawn)
-    w->host->log(w->host, OPC_LOG_FINDING,
-                 "no transistor of the drawn mask prints: check the 'scale' of "
-                 "the layout, that optics and resist belong to the process, "
-                 "and that poly and active are not exchanged");
 }
 
 /* ---- tables ---- */
@@ -169,16 +144,19 @@ static int class_table(const work *w, const eda_mask *m, const char *name,
 
 static int put_metrics(const work *w, const eda_mask *m, const sums *s,
                        opc_error *error) {
-  const opc_metric_value values[] = {
-      {"windows", (double)w->windows},     {"classes", (double)w->classes},
-      {"prints", (double)m->gates->count}, {"refined", (double)w->refined},
-      {"sheets", (double)w->sheets},       {"worse", (double)s->worse.count},
-      {"lost", (double)s->lost.count}};
+  const opc_metric_value values[] = {{"windows", (double)w->windows},
+                                     {"classes", (double)w->classes},
+                                     {"prints", (double)m->gates->count},
+                                     {"refined", (double)w->refined},
+                                     {"sheets", (double)w->sheets},
+                                     {"worse", (double)s->worse},
+                                     {"lost", (double)s->lost}};
   return opc_put_metrics(w->host, OPC_ARRAY(values), error);
 }
 
 /* Write the tables that each mask has, with one row for each class. */
-static int report_classes(const work *w, const eda_mask *m, opc_error *error) {
+static int report_classes(const work *w, const eda_mask *m, const sums *s,
+                          opc_error *error) {
   size_t n = m->gates->count;
   trial none;
   uint32_t *before = eda_alloc(n, sizeof *before);
@@ -194,6 +172,7 @@ static int report_classes(const work *w, const eda_mask *m, opc_error *error) {
                           .extension = extension,
                           .biases = &none.biases,
                           .flags_before = before};
+  log_faults(w, m, before, s);
   int code = correct_report_mask(w->host, &content, error);
   correct_trial_clear(&none);
   free(extension);
@@ -205,8 +184,7 @@ int report_all(const work *w, eda_mask *m, opc_error *error) {
   sums s = {0};
   correct_findings_of_drawing(w->host, m->gates, w->with->extractor);
   for (size_t k = 0; k < m->gates->count; k++) sums_add(w, m, k, &s);
-  log_faults(w, m, &s);
-  int code = report_classes(w, m, error);
+  int code = report_classes(w, m, &s, error);
   if (!code) code = class_table(w, m, "masks", 0, error);
   if (!code) code = class_table(w, m, "environments", 1, error);
   if (!code) code = faults_report(w, error);

@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <correct/start.h>
+
 /* ---- placement ---- */
 
 /* A clip to place. */
@@ -300,6 +302,16 @@ int sheet_make(const opc_context *context, const eda_chip *chip,
   }
   free(m.piece);
   return code;
+}
+
+int sheet_mask(const eda_chip *chip, const sheet *s, eda_mask **out,
+               opc_error *error) {
+  const eda_gates *g = s->gates;
+  eda_mask *m = *out = eda_mask_new(g);
+  m->moved = eda_moved_new(g->layers, g->count);
+  for (size_t i = 0; i < g->count; i++)
+    eda_chip_move(chip, s->of[i], g->box[i], m->moved, i);
+  return correct_start_shapes(m, error);
 }
 
 void sheet_clear(sheet *s) {

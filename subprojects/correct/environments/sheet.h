@@ -35,3 +35,8 @@ int sheet_make(const opc_context *context, const eda_chip *chip,
                const cover *from, const uint32_t *number, const pages *to,
                size_t page, int32_t rim, sheet *out, opc_error *error);
 void sheet_clear(sheet *sheet);
+
+/* Make the mask of a sheet without figures. The caller frees *out, also after
+   an error, before the sheet. Callable from any thread. */
+int sheet_mask(const eda_chip *chip, const sheet *sheet, eda_mask **out,
+               opc_error *error);

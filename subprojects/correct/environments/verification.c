@@ -12,7 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <correct/start.h>
 #include "work.h"
 
 enum { SUMS_AT_ONCE = 1024 };
@@ -126,21 +125,15 @@ typedef struct verified {
 } verified;
 
 /* Build the masks of a sheet without simulating them. */
-static int make_mask(const work *w, const sheet *s, eda_mask *m,
+static int make_mask(const work *w, const sheet *s, eda_mask **out,
                      opc_error *error) {
-  const eda_gates *g = s->gates;
-  m->moved = eda_moved_new(g->layers, g->count);
-  eda_performance_init(&m->design, g->count);
-  for (size_t i = 0; i < g->count; i++)
-    eda_chip_move(w->chip, s->of[i], g->box[i], m->moved, i);
-  for (size_t i = 0; i < g->count && w->cells.used; i++)
-    m->moved->seen[i] = w->alone[w->chip->gate[s->of[i]].mask].seen;
-  int code = eda_measure_drawn(w->host->context, g, w->with->extractor,
-                               &m->design, error);
-  for (size_t k = 0; k < g->layers && !code; k++)
-    if (g->corrected[k])
-      code = correct_start_mask(g, m->moved, k, &m->shapes[k], error);
-  return code;
+  int code = sheet_mask(w->chip, s, out, error);
+  if (code) return code;
+  for (size_t i = 0; i < s->gates->count && w->cells.used; i++)
+    (*out)->moved->seen[i] = w->alone[w->chip->gate[s->of[i]].mask].seen;
+  eda_performance_init(&(*out)->design, s->gates->count);
+  return eda_measure_drawn(w->host->context, s->gates, w->with->extractor,
+                           &(*out)->design, error);
 }
 
 static int print_mask(const work *w, eda_mask *m, double **extension,
@@ -180,10 +173,7 @@ static int verify_sheet(void *data, size_t i, opc_bytes *out,
   double *extension = NULL;
   int code = sheet_make(w->host->context, w->chip, &p->on.cover, p->on.number,
                         &p->on.pages, i, 0, &s, error);
-  if (!code) {
-    m = eda_mask_new(s.gates);
-    code = make_mask(w, &s, m, error);
-  }
+  if (!code) code = make_mask(w, &s, &m, error);
   if (!code) code = print_mask(w, m, &extension, error);
   if (!code) {
     const eda_printed printed = {.gates = s.gates,

@@ -12,22 +12,18 @@
 
 /* ---- a window ---- */
 
-static void put_figures(const eda_mask *from, size_t class, eda_mask *to,
-                        size_t i) {
-  const eda_performance *const source[] = {&from->design, &from->before,
-                                           &from->after};
-  eda_performance *const target[] = {&to->design, &to->before, &to->after};
-  for (size_t k = 0; k < 3; k++) {
-    const eda_performance *a = source[k];
-    eda_performance *b = target[k];
-    b->ion[i] = a->ion[class];
-    b->ioff[i] = a->ioff[class];
-    b->leq_ion[i] = a->leq_ion[class];
-    b->leq_ioff[i] = a->leq_ioff[class];
-    b->weq[i] = a->weq[class];
-    b->area[i] = a->area[class];
-    b->outside[i] = a->outside[class];
-  }
+void window_begin(eda_mask *to) {
+  size_t n = to->gates->count;
+  to->flags = eda_alloc(n, sizeof *to->flags);
+  eda_performance_init(&to->design, n);
+  eda_performance_init(&to->before, n);
+  eda_performance_init(&to->after, n);
+}
+
+void window_put(const eda_mask *from, size_t class, eda_mask *to, size_t i) {
+  eda_performance_take(&to->design, i, &from->design, class);
+  eda_performance_take(&to->before, i, &from->before, class);
+  eda_performance_take(&to->after, i, &from->after, class);
   to->flags[i] = from->flags[class];
 }
 
@@ -39,15 +35,12 @@ static int boxes_touch(eda_box a, eda_box b) {
 static void take_figures(const eda_mask *from, eda_box core, eda_mask *to) {
   size_t n = to->gates->count;
   to->count = eda_alloc(n, sizeof *to->count);
-  to->flags = eda_alloc(n, sizeof *to->flags);
-  eda_performance_init(&to->design, n);
-  eda_performance_init(&to->before, n);
-  eda_performance_init(&to->after, n);
+  window_begin(to);
   for (size_t i = 0; i < n; i++) {
     size_t k = eda_chip_find(from->chip, to->gates->box[i]);
     if (k == SIZE_MAX) continue;
     to->count[i] = boxes_touch(to->gates->box[i], core) != 0;
-    put_figures(from, from->chip->gate[k].print, to, i);
+    window_put(from, from->chip->gate[k].print, to, i);
   }
 }
 
@@ -64,9 +57,7 @@ static int window_make(const eda_mask *mask, eda_box core, int32_t halo,
   m->own = g;
   m->moved = eda_chip_moved(c, g);
   take_figures(mask, core, m);
-  for (size_t k = 0; k < g->layers && !code; k++)
-    if (g->corrected[k])
-      code = correct_start_mask(g, m->moved, k, &m->shapes[k], error);
+  code = correct_start_shapes(m, error);
   if (!code) return OPC_OK;
   eda_mask_free(m);
   *out = NULL;
@@ -148,7 +139,9 @@ void correct_classes_access(eda_mask *m, const classes_source *source) {
   static const eda_mask_access access = {.size = sizeof access,
                                          .window = window_flat,
                                          .layout = window_layout,
-                                         .simulate = window_simulate};
+                                         .simulate = window_simulate,
+                                         .each_class = parts_visit,
+                                         .side = PARTS_SIDE};
   m->access = &access;
   m->data = (void *)source;
 }

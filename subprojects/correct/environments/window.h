@@ -12,3 +12,15 @@
    eda_mask_access. (hierarchy.c) */
 int hierarchy_make(const opc_context *context, const eda_chip *chip,
                    eda_layout **out, opc_error *error);
+
+/* Allocate figures and flags of a flat mask; copy those of a class to gate i.
+   (window.c) */
+void window_begin(eda_mask *to);
+void window_put(const eda_mask *from, size_t class, eda_mask *to, size_t i);
+
+/* Side of a sheet without environments, nm: as a window of hierarchy.c. */
+#define PARTS_SIDE 30000.0
+
+/* Visit the classes of a mask on sheets; see eda_mask_each_class. (parts.c) */
+int parts_visit(const eda_mask *mask, double reach, eda_mask_visit *visit,
+                void *data, opc_error *error);

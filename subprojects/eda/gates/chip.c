@@ -15,6 +15,7 @@ void eda_chip_free(eda_chip *c) {
   free(c->part);
   free(c->box);
   for (int drawn = 0; drawn < 2; drawn++) eda_layout_free(c->hierarchy[drawn]);
+  eda_gates_free(c->flat);
   free(c);
 }
 

@@ -115,10 +115,15 @@ void eda_performance_copy(eda_performance *to, const eda_performance *from) {
   if (from->count) memcpy(to->outside, from->outside, from->count);
 }
 
+void eda_performance_take(eda_performance *to, size_t i,
+                          const eda_performance *from, size_t j) {
+  for (int k = 0; k < FIGURES; k++) (&to->ion)[k][i] = (&from->ion)[k][j];
+  to->outside[i] = from->outside[j];
+}
+
 void eda_performance_one(eda_performance *to, const eda_performance *from,
                          size_t i) {
-  for (int k = 0; k < FIGURES; k++) (&to->ion)[k][i] = (&from->ion)[k][i];
-  to->outside[i] = from->outside[i];
+  eda_performance_take(to, i, from, i);
 }
 
 void eda_performance_clear(eda_performance *p) {
@@ -208,17 +213,9 @@ void eda_mask_free(void *mask) {
   eda_performance_clear(&m->after);
   free(m->flags);
   eda_moved_free(m->moved);
-  eda_chip_free(m->chip);
+  eda_mask_free(m->flat);
+  if (m->own) eda_chip_free(m->chip);
   free(m->count);
   eda_gates_free(m->own);
   free(m);
-}
-
-int eda_mask_need_flat(const eda_mask *m, const char *consumer,
-                       opc_error *error) {
-  if (!m->chip) return OPC_OK;
-  return opc_fail(error, OPC_INVALID, "mask",
-                  "%s needs a flat mask, but this mask is by classes: set "
-                  "'divide: whole' in the step that corrects",
-                  consumer);
 }

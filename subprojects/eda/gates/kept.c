@@ -10,7 +10,7 @@
 /* Fails after a member is appended to eda_mask: add the member to move_mask,
    then change this assertion. */
 G_STATIC_ASSERT(sizeof(eda_mask) ==
-                G_STRUCT_OFFSET(eda_mask, data) + sizeof(void *));
+                G_STRUCT_OFFSET(eda_mask, flat) + sizeof(void *));
 
 typedef struct stream {
   FILE *file;
@@ -210,10 +210,11 @@ static int close_stream(stream *s, const char *path, opc_error *error) {
 }
 
 int eda_mask_save(const eda_mask *mask, const char *folder, opc_error *error) {
+  int classes = mask->chip && mask->own;
   g_autofree char *path =
-      g_build_filename(folder, mask->chip ? "classes" : "mask", NULL);
+      g_build_filename(folder, classes ? "classes" : "mask", NULL);
   stream s = {.file = fopen(path, "wbe"), .writing = 1};
-  if (s.file && mask->chip) {
+  if (s.file && classes) {
     move_chip(&s, mask->chip);
     move_sizes(&s, mask->own);
   }

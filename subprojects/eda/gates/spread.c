@@ -6,40 +6,53 @@
 
 enum { ALL = 2, GROUPS = 3 };
 
-typedef struct sums {
-  double n, off, square, printed, drawn;
-} sums;
+/* Add n equal transistors to a group. */
+static void group_add(eda_spread_sums *s, int group, double n, double off,
+                      double printed, double drawn) {
+  s->of[group].n += n;
+  s->of[group].off += n * off;
+  s->of[group].square += n * off * off;
+  s->of[group].printed += n * printed;
+  s->of[group].drawn += n * drawn;
+}
 
-static void sums_add(sums *s, double off, double printed, double drawn) {
-  s->n++;
-  s->off += off;
-  s->square += off * off;
-  s->printed += printed;
-  s->drawn += drawn;
+void eda_spread_add(eda_spread_sums *s, const eda_gates *gates,
+                    const uint32_t *count, const eda_performance *design,
+                    const eda_performance *printed, const uint32_t *flags) {
+  for (size_t i = 0; i < gates->count; i++) {
+    size_t n = count ? count[i] : 1;
+    if (!n) continue;
+    if (eda_print_failed(flags[i])) {
+      s->failed += n;
+      continue;
+    }
+    double off = eda_deviation(printed->ion[i], design->ion[i]);
+    if (!s->of[ALL].n || !(fabs(off) <= fabs(s->worst))) s->worst = off;
+    s->outside += flags[i] & EDA_PRINT_OUTSIDE ? n : 0;
+    group_add(s, gates->type[i], (double)n, off, printed->ioff[i],
+              design->ioff[i]);
+    group_add(s, ALL, (double)n, off, printed->ioff[i], design->ioff[i]);
+  }
+}
+
+eda_spread eda_spread_end(const eda_spread_sums *s) {
+  eda_spread out = {.ion_worst = s->of[ALL].n ? s->worst : NAN,
+                    .failed = s->failed,
+                    .outside = s->outside};
+  for (int t = 0; t < GROUPS; t++) {
+    double mean = s->of[t].off / s->of[t].n; /* NAN if the group is empty */
+    out.ion_mean[t] = mean;
+    double variance = s->of[t].square / s->of[t].n - mean * mean;
+    out.ion_sd[t] = isnan(mean) ? NAN : sqrt(fmax(0, variance));
+    out.leakage[t] = s->of[t].printed / s->of[t].drawn;
+  }
+  return out;
 }
 
 eda_spread eda_spread_of(const eda_gates *gates, const eda_performance *design,
                          const eda_performance *printed,
                          const uint32_t *flags) {
-  eda_spread out = {.ion_worst = NAN};
-  sums of[GROUPS] = {{0}};
-  for (size_t i = 0; i < gates->count; i++) {
-    if (flags[i] & ~(uint32_t)EDA_PRINT_NOTES) {
-      out.failed++;
-      continue;
-    }
-    double off = eda_deviation(printed->ion[i], design->ion[i]);
-    if (!(fabs(off) <= fabs(out.ion_worst))) out.ion_worst = off;
-    out.outside += (flags[i] & EDA_PRINT_OUTSIDE) != 0;
-    sums_add(&of[gates->type[i]], off, printed->ioff[i], design->ioff[i]);
-    sums_add(&of[ALL], off, printed->ioff[i], design->ioff[i]);
-  }
-  for (int t = 0; t < GROUPS; t++) {
-    double mean = of[t].off / of[t].n; /* NAN if the group is empty */
-    out.ion_mean[t] = mean;
-    double variance = of[t].square / of[t].n - mean * mean;
-    out.ion_sd[t] = isnan(mean) ? NAN : sqrt(fmax(0, variance));
-    out.leakage[t] = of[t].printed / of[t].drawn;
-  }
-  return out;
+  eda_spread_sums sums = {0};
+  eda_spread_add(&sums, gates, NULL, design, printed, flags);
+  return eda_spread_end(&sums);
 }

@@ -14,10 +14,12 @@ OPC_EXPORT void correct_findings_of_drawing(const opc_host *host,
                                             const opc_module *extractor);
 
 /* Log the transistors that do not print, and transistors whose figures are
-   extrapolated beyond the device table. `before` contains the flags of the
-   drawn mask; NULL: not simulated. */
+   extrapolated beyond the device table. `count`: number of transistors that
+   each gate represents; NULL: one. `before` contains the flags of the drawn
+   mask; NULL: not simulated. */
 OPC_EXPORT void correct_findings_of_print(const opc_host *host,
                                           const eda_gates *gates,
+                                          const uint32_t *count,
                                           const uint32_t *flags,
                                           const uint32_t *before);
 

@@ -44,6 +44,9 @@ OPC_EXPORT int correct_start_mask(const eda_gates *gates,
                                   const eda_moved *moved, size_t layer,
                                   eda_shapes *out, opc_error *error);
 
+/* Compute the masks of all corrected layers of a new mask from mask->moved. */
+OPC_EXPORT int correct_start_shapes(eda_mask *mask, opc_error *error);
+
 /* Return the displacements of the loop's mask, or NULL if eda_moved cannot
    represent them. Free with eda_moved_free(). */
 OPC_EXPORT eda_moved *correct_moved_of(const struct loop *loop);

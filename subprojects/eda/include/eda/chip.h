@@ -58,6 +58,9 @@ typedef struct eda_chip {
   /* Shapes of the mask [0] and drawn shapes [1] as cells and arrays, for
      eda_mask_access; NULL: not made. Freed by eda_chip_free. */
   eda_layout *hierarchy[2];
+  /* Gates of the whole layout, for eda_mask_flat; NULL: not made. Freed by
+     eda_chip_free. */
+  eda_gates *flat;
 } eda_chip;
 
 /* Free a chip (NULL: do nothing). Check order and indices, and return OPC_OK,

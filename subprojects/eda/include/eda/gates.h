@@ -209,6 +209,10 @@ OPC_EXPORT void eda_performance_copy(eda_performance *to,
 OPC_EXPORT void eda_performance_one(eda_performance *to,
                                     const eda_performance *from, size_t i);
 
+/* Copy the figures of transistor j to transistor i. [any] */
+OPC_EXPORT void eda_performance_take(eda_performance *to, size_t i,
+                                     const eda_performance *from, size_t j);
+
 /* The figures of one transistor, as in eda_performance. */
 typedef struct eda_figures {
   double ion, ioff, leq_ion, leq_ioff, weq, area;
@@ -274,6 +278,12 @@ typedef struct eda_violation {
 struct eda_chip;
 struct eda_layout;
 struct eda_mask;
+struct eda_mask_part;
+
+/* Receive a part of a mask, which is valid during the call. Other codes than
+   OPC_OK end the visit. */
+typedef int eda_mask_visit(void *data, const struct eda_mask_part *part,
+                           opc_error *error);
 
 /* Access to the shapes of a mask by classes. `data` of the functions is
    eda_mask.data. Fields may be appended. */
@@ -297,6 +307,12 @@ typedef struct eda_mask_access {
      and of the drawn shapes. [main] */
   int (*simulate)(const struct eda_mask *mask, const size_t *classes, size_t n,
                   double reach, struct eda_mask **out, opc_error *error);
+
+  /* Implement eda_mask_each_class. `side`: largest side of a part without
+     2 * reach, nm. [main] */
+  int (*each_class)(const struct eda_mask *mask, double reach,
+                    eda_mask_visit *visit, void *data, opc_error *error);
+  double side;
 } eda_mask_access;
 
 /* A corrected mask. The gates must outlive the mask. A new field must be added
@@ -332,9 +348,11 @@ typedef struct eda_mask {
   /* The next fields are NULL for a flat mask. Since 0.9. */
   struct eda_chip *chip;         /* all transistors, with their classes */
   uint32_t *count;               /* [gates->count], transistors of a class */
-  eda_gates *own;                /* gates that eda_mask_free frees */
+  eda_gates *own;                /* gates that eda_mask_free frees, with `chip`;
+                                    NULL: both belong to another mask */
   const eda_mask_access *access; /* valid while the mask exists */
   void *data;                    /* of `access`; not owned */
+  struct eda_mask *flat;         /* made by eda_mask_flat; owned */
 } eda_mask;
 
 /* Return the number of transistors that gate i of a mask represents. [any] */
@@ -342,10 +360,54 @@ OPC_UNUSED static inline double eda_mask_count(const eda_mask *mask, size_t i) {
   return mask->count ? mask->count[i] : 1;
 }
 
-/* Return OPC_INVALID and an error of the parameter `mask` if the mask is by
-   classes; `consumer`: name of the step that needs a flat mask. [any] */
-OPC_EXPORT int eda_mask_need_flat(const eda_mask *mask, const char *consumer,
-                                  opc_error *error);
+/* A flat mask that is a whole mask, or a part of a mask by classes. */
+typedef struct eda_mask_part {
+  const eda_mask *mask; /* figures and flags are those of the classes */
+  const uint32_t *gate; /* index of each gate in the gates of the whole mask;
+                           UINT32_MAX: only a neighbour; NULL: the part is the
+                           whole mask */
+  double clear; /* clear field that a simulation of the part needs, nm; NAN: as
+                   for a layout */
+  size_t index, count; /* number of this part; number of parts */
+} eda_mask_part;
+
+/* Return the index of gate i of a part in the gates of the whole mask. [any] */
+OPC_UNUSED static inline size_t eda_mask_part_gate(const eda_mask_part *part,
+                                                   size_t i) {
+  return part->gate ? part->gate[i] : i;
+}
+
+/* Visit flat masks that together contain one transistor of each class with all
+   shapes within `reach` nm, and at least within the range of optical
+   interaction: clips of the layout side by side, to simulate the transistors. A
+   flat mask is visited as a whole. [main] */
+OPC_EXPORT int eda_mask_each_class(const eda_mask *mask, double reach,
+                                   eda_mask_visit *visit, void *data,
+                                   opc_error *error);
+
+/* Return gates with the layers of the mask and the extent of the largest part
+   of eda_mask_each_class, to forecast the simulation of a part. Pointers belong
+   to the mask. [any] */
+OPC_EXPORT eda_gates eda_mask_part_outline(const eda_mask *mask, double reach);
+
+/* Visit all transistors once, in the order of a flat mask: strips of the layout
+   with the shapes around them. Transistors have their names. A flat mask is
+   visited as a whole. [main] */
+OPC_EXPORT int eda_mask_each_strip(const eda_mask *mask, eda_mask_visit *visit,
+                                   void *data, opc_error *error);
+
+/* Return the mask of all transistors and shapes at once: the mask itself if it
+   is flat, or a mask that belongs to `mask`. The gates are equal for masks that
+   share their transistors. Consumers that have no other way call it and add
+   eda_mask_flat_bytes to their forecast. [main] */
+OPC_EXPORT int eda_mask_flat(const eda_mask *mask, const eda_mask **out,
+                             opc_error *error);
+/* Return the memory that eda_mask_flat needs, bytes. [any] */
+OPC_EXPORT double eda_mask_flat_bytes(const eda_mask *mask);
+
+/* Give a new mask for the gates of `of` its classes and transistors, without
+   shapes and figures. `of`, which may be flat, must outlive the mask. [main] */
+OPC_EXPORT void eda_mask_share(eda_mask *mask, const eda_mask *of);
 
 /* Return a mask without shapes, performance and flags, which the caller
    allocates by eda_alloc. Free a mask with all arrays (NULL: do nothing). Check
@@ -359,9 +421,9 @@ OPC_EXPORT void eda_mask_set_violations(eda_mask *mask,
                                         const eda_violation *violations,
                                         size_t n);
 
-/* Write a flat mask without its gates to FOLDER/mask, a mask by classes to
-   FOLDER/classes; read a flat mask for equal gates, bit-identical on the same
-   machine. For `save` and `restore` of steps
+/* Write a mask without its gates to FOLDER/mask, but a mask by classes that
+   owns its gates to FOLDER/classes; read FOLDER/mask for equal gates,
+   bit-identical on the same machine. For `save` and `restore` of steps
    (opcflow/step.h). Errors: OPC_IO; OPC_FAILED for another format. [any] */
 OPC_EXPORT int eda_mask_save(const eda_mask *mask, const char *folder,
                              opc_error *error);

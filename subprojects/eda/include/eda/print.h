@@ -165,7 +165,25 @@ typedef struct eda_spread {
   size_t failed, outside;
 } eda_spread;
 
-/* Compute the deviations. [any] */
+/* Sums from which deviations are computed; zeroed at the start. */
+typedef struct eda_spread_sums {
+  struct {
+    double n, off, square, printed, drawn;
+  } of[3];
+  double worst;
+  size_t failed, outside;
+} eda_spread_sums;
+
+/* Add the deviations of gates. `count`: number of transistors that each gate
+   represents; NULL: one. [any] */
+OPC_EXPORT void eda_spread_add(eda_spread_sums *sums, const eda_gates *gates,
+                               const uint32_t *count,
+                               const eda_performance *design,
+                               const eda_performance *printed,
+                               const uint32_t *flags);
+OPC_EXPORT eda_spread eda_spread_end(const eda_spread_sums *sums);
+
+/* Compute the deviations of one list of gates. [any] */
 OPC_EXPORT eda_spread eda_spread_of(const eda_gates *gates,
                                     const eda_performance *design,
                                     const eda_performance *printed,
