@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <correct/start.h>
 #include "work.h"
 
 enum { SUMS_AT_ONCE = 1024 };
