@@ -377,9 +377,9 @@ OPC_UNUSED static inline size_t eda_mask_part_gate(const eda_mask_part *part,
   return part->gate ? part->gate[i] : i;
 }
 
-/* Visit flat masks that together contain one transistor of each class with all
-   shapes within `reach` nm, and at least within the range of optical
-   interaction: clips of the layout side by side, to simulate the transistors. A
+/* Visit flat masks that together contain one transistor of each class: clips of
+   the layout side by side, to simulate the transistors. Clips have all shapes
+   within `reach` nm, and at least within the range of optical interaction. A
    flat mask is visited as a whole. [main] */
 OPC_EXPORT int eda_mask_each_class(const eda_mask *mask, double reach,
                                    eda_mask_visit *visit, void *data,
