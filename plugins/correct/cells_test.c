@@ -133,6 +133,43 @@ static void test_refined(void) {
   g_assert_true(n >= 1);
 }
 
+/* Return the largest |Ion deviation| in the middle of rows of cells, with the
+   masks of the cell, %. */
+static double rows_off(const char *more) {
+  drawing d = drawing_new();
+  double most = 0;
+  box(&d, d.cell, "outline", -100, -200, 800, 800);
+  for (int row = 0; row < 5; row++) /* mirrored about y = 800, 1800 ... */
+    for (int column = 0; column < 5; column++)
+      place_sample(&d, 900 * column, row % 2 ? 600 + 1000 * row : 1000 * row,
+                   row % 2, 0, 1);
+  g_autofree char *all = g_strconcat(
+      CHEAP ", margin: 2000 nm, max_diff: 0 %, rounds: 0", more, NULL);
+  opc_module *m = cells_of(&d, all);
+  eda_mask *mask = run_step(m);
+  g_assert_cmpuint(mask->chip->count, ==, 50);
+  for (size_t i = 0; i < mask->chip->count; i++) {
+    const eda_chip_gate *g = &mask->chip->gate[i];
+    size_t k = g->print;
+    if (g->box.x0 > 1800 && g->box.x0 < 2600 && g->box.y0 > 1800 &&
+        g->box.y0 < 2800)
+      most = fmax(most,
+                  fabs(eda_deviation(mask->after.ion[k], mask->design.ion[k])));
+  }
+  release_sample(m, mask);
+  eda_layout_free(d.layout);
+  return most;
+}
+
+/* In rows of one cell, the masks of the cell among copies of itself print as in
+   these copies; those of the cell alone do not. */
+static void test_neighbours(void) {
+  double alone = rows_off(""), among = rows_off(", neighbours: outline");
+  g_test_message("%.3f %% alone, %.3f %% among copies", alone, among);
+  g_assert_cmpfloat(alone, >, 0.5);
+  g_assert_cmpfloat(among, <, 0.2);
+}
+
 /* A transistor of the top cell is corrected in place. */
 static void test_outside(void) {
   drawing d = eight_orientations();
@@ -156,12 +193,14 @@ static void expect_refused(const char *more, const char *words) {
 
 static void test_refused(void) {
   expect_refused(", divide: environments, verify: false", "'divide: cells'");
+  expect_refused(", neighbours: outline", "'divide: cells'");
 }
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/cells/orientations", test_orientations);
   g_test_add_func("/cells/refined", test_refined);
+  g_test_add_func("/cells/neighbours", test_neighbours);
   g_test_add_func("/cells/outside", test_outside);
   g_test_add_func("/cells/refused", test_refused);
   return g_test_run();

@@ -49,6 +49,8 @@ int divide_check_settings(const correct *c, opc_error *error) {
     return conflict("also", "requires 'layout'", error);
   if (!c->verify && c->divide != DIVIDE_CELLS)
     return conflict("verify", "of 'false' requires 'divide: cells'", error);
+  if (c->neighbours && c->divide != DIVIDE_CELLS)
+    return conflict("neighbours", "requires 'divide: cells'", error);
   if (c->radius > c->window)
     return opc_fail(error, OPC_INVALID, "radius",
                     "'radius' is %.4g nm, expected at most 'window', %.4g nm",
@@ -106,6 +108,7 @@ static classes_request divide_request(correct *c) {
                            .rounds = c->rounds,
                            .cells = {.used = c->divide == DIVIDE_CELLS,
                                      .verify = c->verify,
+                                     .boundary = c->neighbours,
                                      .max_diff = c->start.max_diff}};
 }
 

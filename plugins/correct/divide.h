@@ -24,6 +24,7 @@ typedef struct correct {
   double radius, window; /* nm */
   int64_t rounds;
   int verify;
+  const char *neighbours;
   loop_start start;
   correct_settings with;
   const opc_module *edges;
@@ -88,6 +89,11 @@ int divide_restore(correct *c, const char *folder, void **outputs,
                     .summary =                                               \
                         "Largest number of rounds in which deviating "       \
                         "transistors are split from their classes"),         \
+      OPC_PARAMETER(state, neighbours, .type = OPC_TEXT,                     \
+                    .summary =                                               \
+                        "Layer of the boxes in which cells abut; each cell " \
+                        "is then corrected among copies of itself, as in "   \
+                        "rows of cells (default: alone)"),                   \
       OPC_PARAMETER(state, verify, .type = OPC_BOOL, .preset = "true",       \
                     .summary =                                               \
                         "Simulate the mask of the layout; false, for "       \

@@ -10,6 +10,7 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "outline.h"
 
@@ -18,10 +19,14 @@
    as may the corner of the cell. */
 enum { NEAR = 4 };
 
+/* Name of the instance that is not a copy. No name of a layout begins so. */
+static const char own_name[] = "/own";
+
 typedef struct finder {
   const opc_context *context;
   const eda_chip *chip;
   const uint32_t *number, *kind;
+  const char *boundary; /* layer of abutment boxes; NULL: no copies */
   int orientations;
   eda_layout *outline;
   eda_index *index;  /* boxes of the transistors */
@@ -113,24 +118,81 @@ static uint8_t flip_of(const territory *t, uint8_t axis) {
                    (is_reversed(t->orientation, !axis) ? EDA_FLIP_W : 0));
 }
 
-/* ---- matches ---- */
+/* ---- cells ---- */
+
+/* Place the cell, and with a box, copies of it on all sides as in rows of
+   cells: unchanged to the left and right, mirrored above and below, so that
+   supply lines coincide. */
+static int put_copies(eda_layout *out, int32_t top, int32_t child,
+                      const eda_box *box, opc_error *error) {
+  eda_placement p = {.magnification = 1, .columns = 1, .rows = 1};
+  int code = eda_layout_add_instance(out, top, child, &p, own_name, error);
+  if (!box) return code;
+  int32_t wide = box->x1 - box->x0;
+  for (int side = -1; side <= 1 && !code; side += 2) {
+    p.origin = (eda_point){side * wide, 0};
+    code = eda_layout_add_instance(out, top, child, &p, NULL, error);
+  }
+  p.mirror = 1;
+  p.columns = 3;
+  p.column_step = (eda_point){wide, 0};
+  for (int side = 0; side <= 1 && !code; side++) {
+    p.origin = (eda_point){-wide, 2 * (side ? box->y1 : box->y0)};
+    code = eda_layout_add_instance(out, top, child, &p, NULL, error);
+  }
+  return code;
+}
+
+/* Make a layout of a cell, among copies if s->boundary is set. */
+static int make_layout(const finder *s, int32_t number, eda_layout **out,
+                       int32_t *top, opc_error *error) {
+  const eda_layout *from = s->chip->layout;
+  eda_box box = EDA_BOX_EMPTY;
+  *out = eda_layout_new(eda_layout_unit(from), error);
+  if (!*out) return error->code;
+  int32_t child = eda_layout_import(*out, from, number, error);
+  if (child >= 0) *top = eda_layout_cell(*out, "a cell and its copies", error);
+  if (child < 0 || *top < 0) return error->code;
+  if (!s->boundary) return put_copies(*out, *top, child, NULL, error);
+  int32_t layer = eda_layout_select(*out, s->boundary, error);
+  if (layer < 0 ||
+      eda_layout_bounds(*out, child, layer, eda_layout_unit(from), &box, error))
+    return error->code;
+  if (box.x0 < box.x1 && box.y0 < box.y1)
+    return put_copies(*out, *top, child, &box, error);
+  return opc_fail(error, OPC_INVALID, "neighbours",
+                  "cell '%.200s' has no shape on layer '%.200s', expected its "
+                  "abutment box",
+                  eda_layout_cell_name(from, number), s->boundary);
+}
 
 static int add_cell(finder *s, int32_t number, opc_error *error) {
   const eda_chip *c = s->chip;
   cells *out = s->out;
   eda_segment_report report;
+  eda_layout *layout = NULL;
   eda_box b;
+  int32_t top = -1;
   cell one = {.number = number};
-  int code = eda_layout_bounds(s->outline, number, 0, c->grid, &b, error);
+  int code = make_layout(s, number, &layout, &top, error);
   if (!code)
-    code = eda_segment(s->context, c->layout, number, &c->segment, &one.gates,
+    code = eda_layout_bounds(s->outline, number, 0, c->grid, &b, error);
+  if (!code)
+    code = eda_segment(s->context, layout, top, &c->segment, &one.gates,
                        &report, error);
+  eda_layout_free(layout);
   if (code) return code;
   one.corner = (eda_point){b.x0, b.y0};
   s->index_of[number] = (int32_t)out->count;
   EDA_PUSH(out->cell, out->count, out->capacity, one);
   return OPC_OK;
 }
+
+int cells_is_own(const eda_gates *g, size_t i) {
+  return !strncmp(g->instance[i], own_name, strlen(own_name));
+}
+
+/* ---- matches ---- */
 
 /* Return the gate of a cell at the place of transistor k; -1: none. */
 static int64_t find_gate(const finder *s, const cell *in, const territory *t,
@@ -143,9 +205,9 @@ static int64_t find_gate(const finder *s, const cell *in, const territory *t,
           y = (int64_t)own.y0 + own.y1 + 2 * (int64_t)in->corner.y;
   for (size_t i = 0; i < of->count; i++) {
     eda_box b = of->box[i];
-    if (llabs(x - b.x0 - b.x1) <= NEAR && llabs(y - b.y0 - b.y1) <= NEAR &&
-        of->axis[i] == axis && of->type[i] == g->type &&
-        cells_kind(of, i) == s->kind[k])
+    if (cells_is_own(of, i) && llabs(x - b.x0 - b.x1) <= NEAR &&
+        llabs(y - b.y0 - b.y1) <= NEAR && of->axis[i] == axis &&
+        of->type[i] == g->type && cells_kind(of, i) == s->kind[k])
       return (int64_t)i;
   }
   return -1;
@@ -214,13 +276,15 @@ static int find_all(finder *s, opc_error *error) {
 
 int cells_find(const opc_context *context, const eda_chip *chip,
                const uint32_t *number, const uint32_t *kind, size_t n,
-               int orientations, cells *out, opc_error *error) {
+               int orientations, const char *boundary, cells *out,
+               opc_error *error) {
   size_t cells_of = eda_layout_cells(chip->layout);
   eda_box *box = eda_alloc(n, sizeof *box);
   finder s = {.context = context,
               .chip = chip,
               .number = number,
               .kind = kind,
+              .boundary = boundary,
               .orientations = orientations,
               .matched = eda_alloc(n, 1),
               .index_of = eda_alloc(cells_of, sizeof *s.index_of),

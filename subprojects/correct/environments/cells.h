@@ -8,7 +8,7 @@
 /* A cell; coordinates are those of the cell, in grid steps. */
 typedef struct cell {
   int32_t number;     /* in the layout */
-  eda_gates *gates;   /* shapes and transistors of the cell alone */
+  eda_gates *gates;   /* shapes and transistors of the cell and its copies */
   eda_point corner;   /* lower left corner of its poly and active */
   size_t used, first; /* number of its matches; index of the first */
 } cell;
@@ -31,16 +31,21 @@ typedef struct cells {
 uint32_t cells_kind(const eda_gates *gates, size_t i);
 
 /* Find the cells that contain the n transistors gate[number[i]] of a chip, and
-   segment each cell alone. kind[i]: cells_kind of the transistor. A cell is the
-   outermost one below the top cell that draws poly or active. Omit transistors
-   that are not drawn by a single cell, and cells in an orientation that the
-   optics image differently (`orientations`: number of equivalent ones). The
-   caller frees *out with cells_clear(), also after an error. Call on the main
-   thread. */
+   segment each cell alone, or, with `boundary`, among copies as in rows of
+   cells. kind[i]: cells_kind of the transistor. `boundary`: layer of the boxes
+   in which cells abut; NULL: no copies. A cell is the outermost one below the
+   top cell that draws poly or active. Omit transistors that are not drawn by a
+   single cell, and cells in an orientation that the optics image differently
+   (`orientations`: number of equivalent ones). The caller frees *out with
+   cells_clear(), also after an error. Call on the main thread. */
 int cells_find(const opc_context *context, const eda_chip *chip,
                const uint32_t *number, const uint32_t *kind, size_t n,
-               int orientations, cells *out, opc_error *error);
+               int orientations, const char *boundary, cells *out,
+               opc_error *error);
 void cells_clear(cells *cells);
+
+/* Return 1 for a transistor of the cell itself, 0 for one of a copy. */
+int cells_is_own(const eda_gates *gates, size_t i);
 
 /* Return a SHA-256 checksum of all shapes and transistors of a cell. The caller
    frees the text with g_free(). */

@@ -99,7 +99,8 @@ static int correct_cell(library *b, size_t k, opc_bytes *out,
   uint64_t n = g->count;
   alone *figures = eda_alloc(n, sizeof *figures);
   uint32_t *place = eda_alloc(n, sizeof *place);
-  for (uint32_t i = 0; i < n; i++) place[i] = i;
+  for (uint32_t i = 0; i < n; i++)
+    place[i] = cells_is_own(g, i) ? i : UINT32_MAX;
   correct_settings with = *w->with;
   with.margin = w->margin * w->chip->grid;
   inner in;
@@ -219,8 +220,9 @@ static int library_report(const library *b, opc_error *error) {
 int cells_correct(work *w, uint32_t *mask, opc_error *error) {
   library b = {.work = w, .mask = mask};
   uint8_t *flip = eda_alloc(w->classes, 1);
-  int code = cells_find(w->host->context, w->chip, w->first, w->kind,
-                        w->classes, w->orientations, &b.cells, error);
+  int code =
+      cells_find(w->host->context, w->chip, w->first, w->kind, w->classes,
+                 w->orientations, w->cells.boundary, &b.cells, error);
   b.settings = settings_of(w);
   const opc_pieces each = {.data = &b,
                            .name = "cell",

@@ -10,8 +10,10 @@
 
 /* Masks of cells, corrected alone, as the first masks of the classes. */
 typedef struct classes_cells {
-  int used;        /* 1: start from the masks of cells */
-  int verify;      /* 0: keep these masks and their figures in the cells */
+  int used;             /* 1: start from the masks of cells */
+  int verify;           /* 0: keep these masks and their figures in the cells */
+  const char *boundary; /* layer of the boxes in which cells abut: each cell is
+                           corrected among copies of itself; NULL: alone */
   double max_diff; /* largest |Ion deviation| beyond that in the cell, %, for
                       which a transistor keeps its mask (thesis eq. 4.1); NAN:
                       as without cells */
