@@ -231,7 +231,7 @@ def library_table(runs, number):
                         ("dpb_0", "cells, 0.01 %")):
             one = os.path.join(folder, "compare", circuit, m)
             figures = [metric(one, "verify", k) for k in ("ion_mean", "ion_max", "ion_stdv")]
-            time = sum(seconds(one, step) or 0 for step in ("placed", "mask"))
+            time = seconds(one, "mask")
             base = base or (figures, time)
             rows.append([circuit, name] + [number(v, "2") for v in figures] + [
                 number(100 * (v / b - 1), "n") for v, b in zip(figures, base[0])] + [
@@ -467,6 +467,18 @@ def disturbance_histogram(runs):
                            "change of |Ion deviation| by placement, points", 40, -2, 8)
 
 
+def disturbance_map(runs):
+    """Figure 4.4: transistors of c432 by the change of their deviation."""
+    rows = rows_of(runs["c432"], "disturbance.csv")
+    at = {k: column(rows, k) for k in ("x", "y", "disturbance")}
+    places = [(x / 1000, y / 1000, d) for x, y, d in zip(at["x"], at["y"], at["disturbance"])]
+    plot = plots.Plot("x, um", "y, um", (0, max(p[0] for p in places) * 1.02), (0, max(p[1] for p in places) * 1.3))
+    for name, low, high in (("worse by over 2 %", 2, math.inf), ("worse by 0.05 to 2 %", 0.05, 2),
+                            ("equal or better", -math.inf, 0.05)):
+        plot.points(name, [p[:2] for p in places if low <= p[2] < high])
+    return plot.svg()
+
+
 def copied(label, name):
     """Return a picture that is a file of a run."""
     return lambda runs: os.path.join(runs[label], name)
@@ -501,9 +513,9 @@ def questions(flow, circuit_cases, path_options):
     window = ("picture.window=[0 nm, 0 nm, 2600 nm, 2000 nm]", "picture.width=640")
     circuits = [("%s-%s" % (c, m), circuit(c, "flows/%s.yaml" % m, *(window if c == "c432" else ())))
                 for c in CIRCUITS for m in METHODS]
-    dpb_library = ("library.synthesizer={ use: synthesizer.dpb, ion_limit: 0.5 % }",
-                   "library.regulator={ use: regulator.drc, min_extension: 30 nm, want_extension: 60 nm,"
-                   " max_head: 10 nm }", "mask=~")
+    dpb_cells = ("layout.layers.outline=235/0", "mask.neighbours=outline",
+                 "mask.synthesizer={ use: synthesizer.dpb, ion_limit: 0.5 % }",
+                 "mask.regulator={ use: regulator.drc, min_extension: 30 nm, want_extension: 60 nm, max_head: 10 nm }")
     made = [
         dict(name="gamma", title="Plain, weighted slices and several widths", make=gamma_table,
              runs=[("between", flow("flows/devices.yaml", "devices.card=$DATA/models/ptm/ptm_65nm_bulk.pm",
@@ -535,9 +547,8 @@ def questions(flow, circuit_cases, path_options):
                 *((c + "-" + m, circuit(c, "flows/%s.yaml" % m)) for m in ("dpb", "ic")))]),
         dict(name="disturbance", title="Disturbance of placed cells", make=disturbance_table,
              runs=[(c, flow("flows/library.yaml", "layout.file=$DATA/iscas85/%s/%s.gds" % (c, c), "layout.scale=1.3",
-                            *dpb_library, variant="rows")) for c in SMALL],
-             pictures=[("disturbance.svg", disturbance_histogram),
-                       ("disturbance-c432.png", copied("c432", "disturbance.png"))]),
+                            *dpb_cells, variant="placed")) for c in SMALL],
+             pictures=[("disturbance.svg", disturbance_histogram), ("disturbance-c432.svg", disturbance_map)]),
     ]
     nangate = "$DATA/nangate45/NangateOpenCellLibrary"
     cells = ('compare.cases=[{ layout.file: %s.gds, layout.scale: 1.3, netlist.file: %s.cdl, netlist.scale: 1.3,'
@@ -570,7 +581,7 @@ def questions(flow, circuit_cases, path_options):
         dict(name="library-dpb", title="Masks from cells by DPB-OPC", make=library_table, show=1, runs=[
             (c, flow("flows/library-compare.yaml", "compare.methods=[dpb_flat, dpb_placed, dpb_2, dpb_0]",
                      "compare.cases=[{ name: %s, layout.file: $DATA/iscas85/%s/%s.gds, layout.scale: 1.3,"
-                     " layout.layers.outline: 235/0, sheet.neighbours: itself }]" % (c, c, c)))
+                     " layout.layers.outline: 235/0, mask.neighbours: outline }]" % (c, c, c)))
             for c in ("c17", "c432", "c499")]),
         dict(name="bias", title="Ion and area over the size of the mask", quick=True, make=bias_table, show=1,
              files=bias_masks,

@@ -193,7 +193,6 @@ static void expect_refused(const char *more, const char *words) {
 
 static void test_refused(void) {
   expect_refused(", divide: environments, verify: false", "'divide: cells'");
-  expect_refused(", neighbours: outline", "'divide: cells'");
 }
 
 int main(int argc, char **argv) {

@@ -91,9 +91,9 @@ int divide_restore(correct *c, const char *folder, void **outputs,
                         "transistors are split from their classes"),         \
       OPC_PARAMETER(state, neighbours, .type = OPC_TEXT,                     \
                     .summary =                                               \
-                        "Layer of the boxes in which cells abut; each cell " \
-                        "is then corrected among copies of itself, as in "   \
-                        "rows of cells (default: alone)"),                   \
+                        "Layer of the boxes in which cells abut: with "      \
+                        "'divide: cells', each cell is corrected among "     \
+                        "copies of itself, as in rows (default: alone)"),    \
       OPC_PARAMETER(state, verify, .type = OPC_BOOL, .preset = "true",       \
                     .summary =                                               \
                         "Simulate the mask of the layout; false, for "       \
@@ -111,6 +111,12 @@ int divide_restore(correct *c, const char *folder, void **outputs,
        "cells that the results store did not contain"},                        \
       {"outside_cells", NULL, OPC_LOWER, 0,                                    \
        "different environments of transistors that no cell contains"},         \
+      {"disturbance_mean", "%", OPC_LOWER, 0.01,                               \
+       "mean change of |Ion deviation| from the cell to the layout"},          \
+      {"disturbance_max", "%", OPC_LOWER, 0.01,                                \
+       "largest increase of |Ion deviation| from the cell to the layout"},     \
+      {"disturbed", "%", OPC_LOWER, 0.1,                                       \
+       "transistors whose |Ion deviation| is larger by at least 0.05 %"},      \
   {                                                                            \
     "sheets", NULL, OPC_LOWER, 0,                                              \
         "sheets of clips that were corrected or simulated"                     \

@@ -35,8 +35,7 @@ int correct_start_check(const loop_start *s, const eda_gates *gates,
   if (s->mask && !s->mask->moved)
     return opc_fail(error, OPC_INVALID, "start",
                     "the mask has no displacements of transistors from their "
-                    "drawn edges: expected a mask of the step 'correct' or "
-                    "'library.place'");
+                    "drawn edges: expected a mask of the step 'correct'");
   return OPC_OK;
 }
 

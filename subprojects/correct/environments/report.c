@@ -15,6 +15,9 @@
 /* Tolerance of |Ion deviation|, %; as in guard.c. */
 static const double worse_than = 0.001;
 
+/* Smallest disturbance that counts, %; resolution of thesis figure 4.5. */
+static const double disturbed = 0.05;
+
 /* ---- the mask ---- */
 
 static void figures_put(eda_performance *to, size_t i, const eda_figures *f) {
@@ -140,6 +143,83 @@ static int class_table(const work *w, const eda_mask *m, const char *name,
                       error);
 }
 
+/* ---- disturbance of cells ---- */
+
+/* Row of the table: a class whose mask was made in a cell. */
+typedef struct moved_row {
+  int64_t number, count;
+  double x, y, cell, placed, change; /* nm; %, NAN: not printed */
+} moved_row;
+
+static moved_row row_of(const work *w, const eda_mask *m, size_t k,
+                        const alone *a) {
+  const class_result *p = &w->print[k];
+  eda_box b = m->gates->box[k];
+  double in_cell = eda_deviation(a->result.after.ion, a->result.design.ion),
+         placed = eda_deviation(p->after.ion, p->design.ion);
+  if (eda_print_failed(p->flags)) placed = NAN;
+  return (moved_row){.number = m->gates->number[k],
+                     .count = m->count[k],
+                     .x = ((double)b.x0 + b.x1) / 2 * m->gates->grid,
+                     .y = ((double)b.y0 + b.y1) / 2 * m->gates->grid,
+                     .cell = in_cell,
+                     .placed = placed,
+                     .change = fabs(placed) - fabs(in_cell)};
+}
+
+/* Fill the rows of all classes whose mask is, or replaced, that of a cell.
+   Return their number. */
+static size_t find_rows(const work *w, const eda_mask *m, moved_row *row) {
+  const eda_chip *c = m->chip;
+  uint8_t *seen = eda_alloc(c->prints, 1);
+  size_t n = 0;
+  for (size_t i = 0; i < c->count; i++) {
+    size_t k = c->gate[i].print;
+    const alone *a = &w->alone[c->gate[i].mask];
+    if (!seen[k] && a->known && !eda_print_failed(a->result.flags))
+      row[n++] = row_of(w, m, k, a);
+    seen[k] = 1;
+  }
+  free(seen);
+  return n;
+}
+
+/* Write the change of |Ion deviation| from the cell to the layout, thesis eq.
+   4.1, of all classes. */
+static int disturbance_report(const work *w, const eda_mask *m,
+                              opc_error *error) {
+  moved_row *row = eda_alloc(m->chip->prints, sizeof *row);
+  size_t n = w->cells.used ? find_rows(w, m, row) : 0;
+  double sum = 0, most = -INFINITY, worse = 0, count = 0;
+  for (size_t k = 0; k < n; k++) {
+    double by = (double)row[k].count;
+    if (isnan(row[k].change)) continue;
+    sum += by * row[k].change;
+    most = fmax(most, row[k].change);
+    worse += row[k].change >= disturbed ? by : 0;
+    count += by;
+  }
+  const opc_column columns[] = {
+      {"transistor", NULL, OPC_INT, 0, &row->number},
+      {"count", NULL, OPC_INT, 0, &row->count},
+      {"x", "nm", OPC_REAL, 1, &row->x},
+      {"y", "nm", OPC_REAL, 1, &row->y},
+      {"ion_cell", "%", OPC_REAL, 3, &row->cell},
+      {"ion_placed", "%", OPC_REAL, 3, &row->placed},
+      {"disturbance", "%", OPC_REAL, 3, &row->change}};
+  const opc_metric_value values[] = {{"disturbance_mean", sum / count},
+                                     {"disturbance_max", most},
+                                     {"disturbed", 100 * worse / count}};
+  int code = OPC_OK;
+  if (n)
+    code = opc_put_rows(w->host, "disturbance", 0, n, sizeof *row,
+                        OPC_ARRAY(columns), error);
+  if (!code && count > 0)
+    code = opc_put_metrics(w->host, OPC_ARRAY(values), error);
+  free(row);
+  return code;
+}
+
 /* ---- run ---- */
 
 static int put_metrics(const work *w, const eda_mask *m, const sums *s,
@@ -187,6 +267,7 @@ int report_all(const work *w, eda_mask *m, opc_error *error) {
   int code = report_classes(w, m, &s, error);
   if (!code) code = class_table(w, m, "masks", 0, error);
   if (!code) code = class_table(w, m, "environments", 1, error);
+  if (!code && w->cells.verify) code = disturbance_report(w, m, error);
   if (!code) code = faults_report(w, error);
   return code ? code : put_metrics(w, m, &s, error);
 }
