@@ -469,12 +469,9 @@ def disturbance_histogram(runs):
 
 def disturbance_map(runs):
     """Figure 4.4: transistors of c432 by the change of their deviation."""
-    rows = rows_of(runs["c432"], "disturbance.csv")
-    at = {k: column(rows, k) for k in ("x", "y", "disturbance")}
-    places = [(x / 1000, y / 1000, d) for x, y, d in zip(at["x"], at["y"], at["disturbance"])]
-    plot = plots.Plot("x, um", "y, um", (0, max(p[0] for p in places) * 1.02), (0, max(p[1] for p in places) * 1.3))
-    for name, low, high in (("worse by over 2 %", 2, math.inf), ("worse by 0.05 to 2 %", 0.05, 2),
-                            ("equal or better", -math.inf, 0.05)):
+    places = [[float(r[k]) for k in ("x", "y", "disturbance")] for r in rows_of(runs["c432"], "disturbance.csv")]
+    plot = plots.Plot("x, nm", "y, nm", (0, max(p[0] for p in places)), (0, 1.3 * max(p[1] for p in places)))
+    for name, low, high in (("worse by over 2 %", 2, 1e9), ("worse by 0.05 to 2 %", 0.05, 2), ("others", -1e9, 0.05)):
         plot.points(name, [p[:2] for p in places if low <= p[2] < high])
     return plot.svg()
 

@@ -120,9 +120,9 @@ static uint8_t flip_of(const territory *t, uint8_t axis) {
 
 /* ---- cells ---- */
 
-/* Place the cell, and with a box, copies of it on all sides as in rows of
-   cells: unchanged to the left and right, mirrored above and below, so that
-   supply lines coincide. */
+/* Place the cell and, with a box, copies on all sides as in rows of cells. The
+   copies to the left and right are unchanged, those above and below mirrored,
+   so that supply lines coincide. */
 static int put_copies(eda_layout *out, int32_t top, int32_t child,
                       const eda_box *box, opc_error *error) {
   eda_placement p = {.magnification = 1, .columns = 1, .rows = 1};

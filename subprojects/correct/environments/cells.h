@@ -31,13 +31,13 @@ typedef struct cells {
 uint32_t cells_kind(const eda_gates *gates, size_t i);
 
 /* Find the cells that contain the n transistors gate[number[i]] of a chip, and
-   segment each cell alone, or, with `boundary`, among copies as in rows of
-   cells. kind[i]: cells_kind of the transistor. `boundary`: layer of the boxes
-   in which cells abut; NULL: no copies. A cell is the outermost one below the
-   top cell that draws poly or active. Omit transistors that are not drawn by a
-   single cell, and cells in an orientation that the optics image differently
-   (`orientations`: number of equivalent ones). The caller frees *out with
-   cells_clear(), also after an error. Call on the main thread. */
+   segment each cell alone or, with `boundary`, among copies as in rows of
+   cells. A cell is the outermost one below the top cell that draws poly or
+   active. Omit transistors that are not drawn by a single cell, and cells in an
+   orientation that the optics image differently. kind[i]: cells_kind of the
+   transistor. `orientations`: number of equivalent orientations. `boundary`:
+   layer of the boxes in which cells abut; NULL: no copies. The caller frees
+   *out with cells_clear(), also after an error. Call on the main thread. */
 int cells_find(const opc_context *context, const eda_chip *chip,
                const uint32_t *number, const uint32_t *kind, size_t n,
                int orientations, const char *boundary, cells *out,

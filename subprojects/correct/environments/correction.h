@@ -36,7 +36,7 @@ int correction_put(const work *work, const loop *loop, const uint32_t *place,
 const char *correction_next(const char *at, corrected *out);
 
 /* Read the header of the records from `at`, and add its counts to those of the
-   work. Return the first record. */
+   work (NULL: none). Return the first record. */
 const char *correction_begin(work *work, const char *at);
 
 /* Add the mask of the record at `at` to the chip. Return its number. */

@@ -185,7 +185,8 @@ static int library_take(void *data, size_t k, const void *bytes, size_t size,
   memcpy(&n, at, sizeof n);
   at += sizeof n;
   const char *figures = at;
-  for (at = correction_begin(b->work, at + n * sizeof(alone)); at < end;) {
+  /* Simulations of cells do not count, because the store may contain them. */
+  for (at = correction_begin(NULL, at + n * sizeof(alone)); at < end;) {
     corrected one;
     alone of;
     const char *next = correction_next(at, &one);
