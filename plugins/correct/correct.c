@@ -137,8 +137,7 @@ static void whole_forecast(const correct *c, const eda_gates *gates,
   out->memory *= (double)correct_corners_images(&c->corners);
 }
 
-static int correct_run(void *self, void **outputs, opc_error *error) {
-  correct *c = self;
+static int correct_mask(correct *c, void **outputs, opc_error *error) {
   int by_classes = 0;
   int code = divide_check(c, error);
   if (!code) code = correct_put_settings(c, error);
@@ -151,6 +150,14 @@ static int correct_run(void *self, void **outputs, opc_error *error) {
   outputs[0] = mask; /* released by the host on failure */
   if (c->layout) mask->own = divide_take_gates(c);
   return whole_run(c, outputs, error);
+}
+
+static int correct_run(void *self, void **outputs, opc_error *error) {
+  correct *c = self;
+  int code = correct_mask(c, outputs, error);
+  return code ? code
+              : correct_report_transistors(c->host, outputs[0], c->transistors,
+                                           error);
 }
 
 static int correct_step_forecast(void *self, opc_forecast *out,
@@ -235,6 +242,7 @@ static const opc_parameter parameters[] = {
         correct, trace, .type = OPC_BOOL, .preset = "false",
         .summary =
             "Write trace.csv with a row for each transistor and simulation"),
+    REPORT_TRANSISTORS(correct),
 };
 
 static const opc_metric metrics[] = {

@@ -32,6 +32,7 @@ typedef struct correct {
   gate_srafs assists;
   sraf_search_state search;
   int trace;
+  const char *transistors;
 
   double margin;  /* range of optical interaction of classes, nm */
   int prepared;   /* 1: the extractor is prepared */

@@ -2,6 +2,7 @@
 /* Tests the steps that take a mask by classes against the same steps on the
    flat mask with all transistors and shapes. */
 #include <eda/print.h>
+#include <eda/runs.h>
 #include <math.h>
 
 #include "chip_test.h"
@@ -81,7 +82,7 @@ static opc_module *verification(const eda_mask *mask) {
       "{ litho: { use: litho.hopkins, kernels: 12, defocus: 50 nm }, resist: { "
       "use: resist.threshold, anchor: { line: 65 nm, pitch: 250 nm } }, "
       "extractor: { use: extractor.plain, devices: '%s' }, fine: off, margin: "
-      "4000 nm }",
+      "4000 nm, transistors: all.csv }",
       devices);
   opc_error error = {0};
   opc_module *m = opc_test_module("verify", map, &error);
@@ -105,13 +106,57 @@ static void expect_figures(const both *b, const eda_mask *got,
   }
 }
 
+/* Return the file of all transistors. */
+static eda_table *all_transistors(void) {
+  opc_error error = {0};
+  g_autofree char *path = g_build_filename(opc_test_folder(), "all.csv", NULL);
+  eda_table *t = eda_table_read(path, &error);
+  if (!t) g_error("%s", error.message);
+  return t;
+}
+
+/* Check the names of the file against the table of the flat mask. */
+static void expect_names(const opc_table *gates, const eda_table *all) {
+  const char *const *name = opc_table_column(gates, "transistor")->data;
+  g_assert_cmpuint(eda_table_rows(all), ==, gates->rows);
+  for (size_t i = 0; i < gates->rows; i++)
+    g_assert_cmpstr(eda_table_text(all, i, 0), ==, name[i]);
+}
+
+/* Check all transistors of classes against those of the flat mask. */
+static void expect_all(eda_table *want, eda_table *got) {
+  static const char *const equal[] = {"transistor", "cell", "type", "l",
+                                      "w",          "x",    "y",    "print"};
+  static const char *const near[] = {"ion_after", "area_after", "leq_ion",
+                                     "weq"};
+  g_assert_cmpuint(eda_table_rows(got), ==, eda_table_rows(want));
+  for (size_t i = 0; i < eda_table_rows(got); i++) {
+    for (size_t k = 0; k < G_N_ELEMENTS(equal); k++) {
+      size_t c = (size_t)eda_table_find(got, equal[k]);
+      g_assert_cmpstr(eda_table_text(got, i, c), ==,
+                      eda_table_text(want, i, c));
+    }
+    for (size_t k = 0; k < G_N_ELEMENTS(near); k++) {
+      size_t c = (size_t)eda_table_find(got, near[k]);
+      expect_near(near[k], eda_table_numbers(got, c)[i],
+                  eda_table_numbers(want, c)[i], 0.08);
+    }
+  }
+}
+
 static void test_verify(void) {
   both b = both_of(uneven());
   double want[G_N_ELEMENTS(verified)];
   opc_module *one = verification(b.flat), *two = verification(b.classes);
   eda_mask *truth = run_step(one);
   keep_metrics(verified, G_N_ELEMENTS(verified), want);
+  eda_table *all = all_transistors();
+  expect_names(opc_test_table("gates"), all);
   eda_mask *out = run_step(two);
+  eda_table *of_classes = all_transistors();
+  expect_all(all, of_classes);
+  eda_table_free(of_classes);
+  eda_table_free(all);
   g_assert_cmpuint(out->gates->count, ==, b.classes->gates->count);
   expect_figures(&b, out, truth);
   expect_metrics(verified, G_N_ELEMENTS(verified), want, 0.03);

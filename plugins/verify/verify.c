@@ -17,6 +17,7 @@ typedef struct verify {
   const opc_host *host;
   const eda_mask *mask;
   correct_settings with;
+  const char *transistors;
   classes_source source; /* models of later simulations of the output */
 } verify;
 
@@ -117,6 +118,8 @@ static int verify_run(void *self, void **outputs, opc_error *error) {
     correct_findings_of_print(v->host, out->gates, out->count, out->flags,
                               NULL);
   if (!code) code = correct_report_mask(v->host, &content, error);
+  if (!code)
+    code = correct_report_transistors(v->host, out, v->transistors, error);
   free(s.extension);
   return code;
 }
@@ -156,6 +159,7 @@ static const opc_parameter parameters[] = {
     CORRECT_PRINT_SLOTS(verify),
     CORRECT_MARGIN(verify),
     CORRECT_FINE(verify),
+    REPORT_TRANSISTORS(verify),
     CORRECT_OVERLAY(verify),
 };
 

@@ -159,6 +159,70 @@ static void test_transistors(void) {
       "seconds; too few cells for Ion (4 of 5)");
 }
 
+static const char places_head[] =
+    "transistor,cell,type,l (nm),w (nm),x (nm),y (nm),ion_after (%)";
+
+/* Five transistors in cells c1 to c5. */
+static const char one_each[] =
+    "A:1,c1,n,65,100,10.0,5.0,1\r\nA:2,c2,n,65,100,20.0,5.0,-2\r\n"
+    "A:3,c3,n,65,100,30.0,5.0,3\r\nA:4,c4,n,65,100,40.0,5.0,4\r\n"
+    "A:5,c5,p,65,100,50.0,5.0,5\r\n";
+
+static void expect_change(double base, double value, double better,
+                          double worse, double n) {
+  size_t ion = row_of("transistors", "figure", "ion");
+  const double want[] = {base, value, better, worse, n};
+  static const char *const columns[] = {"base", "value", "better", "worse",
+                                        "transistors"};
+  for (size_t i = 0; i < G_N_ELEMENTS(want); i++)
+    g_assert_cmpfloat_with_epsilon(
+        opc_test_number("transistors", columns[i], ion), want[i], 1e-12);
+}
+
+/* A table with a row for each class is compared with a table of transistors, in
+   both orders, and with a table of equal classes; other classes are refused,
+   unless a run has the file of all transistors. */
+static void test_classes(void) {
+  opc_error error;
+  g_autofree char *flat = g_strconcat(places_head, "\r\n", one_each, NULL);
+  g_autofree char *classes = g_strconcat(
+      places_head, ",count\r\n", "T:1,T,n,65,100,10.0,5.0,0.5,4\r\n",
+      "T:5,T,p,65,100,50.0,5.0,-6,1\r\n", NULL);
+  g_autofree char *other = g_strconcat(
+      places_head, ",count\r\n", "T:2,T,n,65,100,20.0,5.0,0.5,4\r\n",
+      "T:5,T,p,65,100,50.0,5.0,-6,1\r\n", NULL);
+  folder_make("flat", (made_run){.gates = flat});
+  folder_make("classes", (made_run){.gates = classes});
+  folder_make("other", (made_run){.gates = other});
+  compare_good("{}", "flat", "classes");
+  expect_change(9.0 / 5, 8.0 / 5, 4, 1, 5);
+  compare_good("{}", "classes", "flat");
+  expect_change(8.0 / 5, 9.0 / 5, 1, 4, 5);
+  compare_good("{}", "classes", "classes");
+  expect_change(8.0 / 5, 8.0 / 5, 0, 0, 5);
+  g_assert_cmpint(folders_compare("{}", "classes", "other", &error), ==,
+                  OPC_INVALID);
+  if (!strstr(error.message,
+              "transistor at (10.0, 5.0) nm is not in both "
+              "runs: set 'transistors: all.csv'"))
+    g_error("%s", error.message);
+  static const char *const runs[] = {"classes", "other"};
+  for (int k = 0; k < 2; k++) {
+    g_autofree char *folder = in_folder(runs[k]), *text = NULL;
+    g_autofree char *flow = g_build_filename(folder, "flow.yaml", NULL);
+    g_autofree char *all =
+        g_strconcat(places_head, "\r\n", "A:1,c1,n,65,100,10.0,5.0,",
+                    k ? "3" : "9", "\r\n", strchr(one_each, '\n') + 1, NULL);
+    g_assert_true(g_file_get_contents(flow, &text, NULL, NULL));
+    g_autofree char *longer =
+        g_strconcat(text, "    transistors: all.csv\n", NULL);
+    put_file(folder, "flow.yaml", longer);
+    put_file(folder, "all.csv", all);
+  }
+  compare_good("{}", "classes", "other");
+  expect_change(23.0 / 5, 17.0 / 5, 1, 0, 5);
+}
+
 /* Ion changes by 1 and 3 with one method, by -2 and 0 with the other. */
 static void test_cases(void) {
   static const char *const ions[2][2][2] = {{{"4.0", "5.0"}, {"6.0", "9.0"}},
@@ -246,6 +310,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/command.compare/verdicts", test_verdicts);
   g_test_add_func("/command.compare/transistors", test_transistors);
+  g_test_add_func("/command.compare/classes", test_classes);
   g_test_add_func("/command.compare/cases", test_cases);
   g_test_add_func("/command.compare/fail_on", test_fail_on);
   g_test_add_func("/command.compare/refused", test_refused);

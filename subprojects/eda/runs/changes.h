@@ -14,15 +14,19 @@ typedef struct transistors {
   eda_table *base,
       *other; /* owned by the runs; NULL: a run has no transistor table */
   size_t n;
-  size_t *row; /* row of `other` for each row of `base` */
+  size_t *row;      /* row of `other` for each pair */
+  size_t *base_row; /* row of `base` for each pair; NULL: equal to the pair */
+  double *count;    /* number of transistors of each pair; NULL: 1 */
   char *fault; /* description of the first difference between the transistors;
                   NULL: none */
 } transistors;
 
-/* Join two transistor tables by transistor name. If both runs have the table of
-   a step that uses `verify`, join those tables, otherwise the tables `gates`.
-   Differing names or drawn sizes set t->fault. Return OPC_OK, or a code and
-   *error. Call transistors_clear in either case. */
+/* Join two transistor tables by transistor name, or, if a table has a row for
+   each class, by the place of the representative. A file of all transistors
+   (parameter `transistors`) is used instead of the table. If both runs have the
+   table of a step that uses `verify`, join those tables, otherwise the tables
+   `gates`. Differing names or drawn sizes set t->fault. Return OPC_OK, or a
+   code and *error. Call transistors_clear in either case. */
 int transistors_join(eda_run *base, eda_run *other, transistors *t,
                      opc_error *error);
 void transistors_clear(transistors *t);

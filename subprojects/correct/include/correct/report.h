@@ -129,6 +129,20 @@ typedef struct report {
 /* Publish the tables and metrics of a mask. */
 OPC_EXPORT int correct_report_mask(const opc_host *host, const report *report,
                                    opc_error *error);
+
+/* Write the file `name` of the run folder with one row for each transistor, in
+   the order of a flat mask; figures are those of the class. Memory does not
+   grow with the number of transistors. NULL: do nothing. */
+OPC_EXPORT int correct_report_transistors(const opc_host *host,
+                                          const eda_mask *mask,
+                                          const char *name, opc_error *error);
+#define REPORT_TRANSISTORS(state)                                          \
+  OPC_PARAMETER(state, transistors, .type = OPC_OUTPUT,                    \
+                .summary =                                                 \
+                    "File with a row for each transistor, all.csv; the "   \
+                    "table of a mask by classes has a row for each class " \
+                    "(default: none)")
+
 OPC_EXPORT int correct_report_violations(const opc_host *host,
                                          const eda_gates *gates,
                                          const eda_violation *violations,
