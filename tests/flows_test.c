@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "tests/flow.h"
+#include "tests/run_folder.h"
 
 /* PV band of a clip of ICCAD 2013 by score.iccad, which does not use the SRAF
    model. Model-based SRAF must reduce the band by at least 15 %, and no SRAF
@@ -105,23 +106,80 @@ static void test_orientation(void) {
   g_assert_cmpfloat(metric("turned", "mask", "ion_max"), <=, 0.5);
 }
 
-/* Layers of a mask by classes have the numbers of a flat mask. */
+/* Check the page of a mask by classes: its pictures have all transistors, and
+   its table has a row for each class. */
+static void expect_page(const char *file, double transistors, double classes) {
+  g_autofree char *path = place(file);
+  JsonNode *root;
+  g_autofree char *page = read_page(path, &root);
+  JsonArray *runs =
+      json_object_get_array_member(json_node_get_object(root), "runs");
+  JsonObject *run = json_array_get_object_element(runs, 0);
+  JsonObject *view = json_object_get_object_member(run, "view");
+  JsonObject *tables = json_object_get_object_member(run, "tables");
+  JsonObject *gates = json_object_get_object_member(tables, "gates");
+  JsonArray *columns = json_object_get_array_member(gates, "columns");
+  double sum = 0;
+  for (guint k = 0; k < json_array_get_length(columns); k++) {
+    JsonObject *c = json_array_get_object_element(columns, k);
+    if (strcmp(json_object_get_string_member(c, "name"), "count") != 0)
+      continue;
+    JsonArray *values = json_object_get_array_member(c, "values");
+    for (guint i = 0; i < json_array_get_length(values); i++)
+      sum += json_array_get_double_element(values, i);
+  }
+  g_assert_cmpfloat(sum, ==, transistors);
+  g_assert_cmpfloat(json_object_get_double_member(gates, "rows"), ==, classes);
+  g_assert_cmpfloat(json_object_get_double_member(view, "transistors"), ==,
+                    transistors);
+  g_assert_true(json_object_has_member(view, "classes"));
+  json_node_unref(root);
+}
+
+/* A mask by classes is written with the layer numbers of a flat mask: read from
+   these numbers and simulated flat, the file has the figures of the classes. */
 static void test_chip_numbers(void) {
-  g_autofree char *chip = source_path("flows/chip.yaml");
-  static const char steps[] =
-      "  file: { use: write.oasis, mask: '${mask}', file: chip.oas }\n";
+  static const char *const equal[] = {"transistors", "failed", "outside"};
+  g_autofree char *chip = source_path("flows/chip.yaml"),
+                  *devices = source_path("data/devices/ptm65.yaml");
   g_autofree char *good = g_strdup_printf(
-      "opcflow: 1\nname: numbers\nextends: %s\nsteps:\n%s", chip, steps);
+      "opcflow: 1\nname: numbers\nextends: %s\nsteps:\n"
+      "  file: { use: write.oasis, mask: '${mask}', file: chip.oas }\n"
+      "  page: { use: report.html, mask: '${mask}', file: page.html }\n",
+      chip);
+  g_autofree char *back = g_strdup_printf(
+      "opcflow: 1\nname: back\nextends: %s\nrequire: ~\nsteps:\n"
+      "  gates: { use: segment.transistors, layout: '${layout}', grid: 1 nm }\n"
+      "  file: { use: read.oasis, file: numbers/chip.oas, layers: { poly: 9/0, "
+      "active: 1/0 } }\n"
+      "  mask: ~\n"
+      "  again: { use: given, gates: '${gates}', mask_layout: '${file}', "
+      "layers: "
+      "{ poly: poly, active: active }, litho: { use: litho.hopkins, "
+      "wavelength: "
+      "193 nm, na: 0.75, sigma: 0.75 }, resist: { use: resist.threshold, "
+      "anchor: { line: 65 nm, pitch: 250 nm } }, extractor: { use: "
+      "extractor.plain, devices: %s }, fine: off, margin: 4 um }\n",
+      chip, devices);
   write_file("numbers.yaml", good);
   g_assert_cmpint(opcflow(NULL, "check", "numbers.yaml", NULL), ==, 0);
   g_assert_cmpint(opcflow(NULL, "run", "numbers.yaml", "--set", "mask.fine=off",
                           "--set", "require=~", "--output", "numbers", NULL),
                   ==, 0);
-  write_file("back.yaml",
-             "opcflow: 1\nname: back\nsteps:\n  layout: { use: read.oasis, "
-             "file: numbers/chip.oas, layers: { poly: 9/0, active: 1/0, "
-             "contact: 10/0 } }\n");
-  g_assert_cmpint(opcflow(NULL, "run", "back.yaml", NULL), ==, 0);
+  write_file("back.yaml", back);
+  g_assert_cmpint(opcflow(NULL, "run", "back.yaml", "--output", "back", NULL),
+                  ==, 0);
+  for (size_t i = 0; i < G_N_ELEMENTS(equal); i++)
+    g_assert_cmpfloat(metric("back", "again", equal[i]), ==,
+                      metric("numbers", "mask", equal[i]));
+  g_assert_cmpfloat(fabs(metric("back", "again", "ion_mean") -
+                         metric("numbers", "mask", "ion_mean")),
+                    <, 0.1);
+  g_assert_cmpfloat(fabs(metric("back", "again", "ion_max") -
+                         metric("numbers", "mask", "ion_max")),
+                    <, 0.3);
+  expect_page("numbers/page.html", metric("back", "again", "transistors"),
+              metric("numbers", "mask", "prints"));
 }
 
 /* The check finds wrong layers of a mask's writers

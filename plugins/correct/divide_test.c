@@ -316,6 +316,49 @@ static void test_ties(void) {
   eda_layout_free(d.layout);
 }
 
+/* ---- the decision ---- */
+
+/* Return n transistors in rows; their widths repeat after `period`. */
+static drawing row_of_lines(int n, int period) {
+  opc_error error;
+  drawing d = {.layout = eda_layout_new(1, &error)};
+  d.top = eda_layout_cell(d.layout, "TOP", &error);
+  box(&d, d.top, "nwell", -20000, -20000, -19000, -19000);
+  for (int i = 0; i < n; i++) {
+    int32_t x = 500 * (i % 40), y = 2200 * (i / 40), w = 200 + i % period;
+    box(&d, d.top, "active", x, y, x + 300, y + w);
+    box(&d, d.top, "poly", x + 120, y - 84, x + 185, y + w + 84);
+  }
+  return d;
+}
+
+/* `divide: auto` corrects few transistors and transistors without repetition as
+   a whole, and many equal ones by classes. It logs why. */
+static void test_auto(void) {
+  static const struct {
+    int n, period, by_classes;
+    const char *words;
+  } rows[] = {{900, 1, 0, NULL},
+              {1040, 1, 1, "divide: environments, because "},
+              {1040, 1040, 0, "divide: whole, because 1040 of 1040 "}};
+  for (size_t k = 0; k < G_N_ELEMENTS(rows); k++) {
+    drawing d = row_of_lines(rows[k].n, rows[k].period);
+    opc_module *m = make_sample(
+        "correct", CHEAP ", divide: auto, max_iterations: 0, margin: 500 nm");
+    opc_test_input(m, "layout", d.layout);
+    eda_mask *mask = run_step(m);
+    g_assert_cmpint(mask->chip != NULL, ==, rows[k].by_classes);
+    g_assert_cmpfloat(opc_test_metric("transistors"), ==, rows[k].n);
+    const char *log = opc_test_log();
+    if (!rows[k].words)
+      g_assert_null(strstr(log, "divide: "));
+    else if (!strstr(log, rows[k].words))
+      g_error("'%s' is not in '%s'", rows[k].words, log);
+    release_sample(m, mask);
+    eda_layout_free(d.layout);
+  }
+}
+
 /* ---- rejected input ---- */
 
 static void expect_refused(const drawing *d, const char *more,
@@ -361,6 +404,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/chip/threads", test_threads);
   g_test_add_func("/chip/sram", test_sram);
   g_test_add_func("/chip/faults", test_faults);
+  g_test_add_func("/chip/auto", test_auto);
   g_test_add_func("/chip/refused", test_refused);
   return g_test_run();
 }

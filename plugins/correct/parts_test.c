@@ -348,11 +348,113 @@ static void test_all(void) {
   both_clear(&b);
 }
 
+/* ---- files ---- */
+
+/* The cost of the cells of a layout whose cells are apart is that of the flat
+   mask. */
+static void test_cost(void) {
+  static const char *const name[] = {"rectangles", "rectangles_drawn",
+                                     "shots",      "shots_drawn",
+                                     "slivers",    "vertices"};
+  both b = both_of(uneven());
+  const eda_mask *masks[] = {b.flat, b.classes};
+  double want[G_N_ELEMENTS(name)];
+  for (int k = 0; k < 2; k++) {
+    opc_error error = {0};
+    opc_module *m = opc_test_module("cost.fracture", "{}", &error);
+    if (!m) g_error("%s", error.message);
+    opc_test_input(m, "mask", (void *)masks[k]);
+    opc_test_forget();
+    if (opc_test_run(m, NULL, &error)) g_error("%s", error.message);
+    if (!k) keep_metrics(name, G_N_ELEMENTS(name), want);
+    opc_test_module_free(m);
+  }
+  g_assert_cmpfloat(want[0], >, want[1]); /* the correction adds rectangles */
+  expect_metrics(name, G_N_ELEMENTS(name), want, 0);
+  both_clear(&b);
+}
+
+/* Return the area by which a layer of a file differs from shapes. */
+static double file_differs(const eda_layout *file, const char *layer,
+                           const eda_shapes *want) {
+  opc_error error = {0};
+  eda_flat all;
+  int32_t number = eda_layout_select(file, layer, &error),
+          top = eda_layout_top(file, &error);
+  if (number < 0 || top < 0) g_error("%s: %s", layer, error.message);
+  g_assert_false(eda_layout_flatten(file, top, number, 1, &all, &error));
+  double area = shapes_differ(&all.shapes, want);
+  eda_flat_clear(&all);
+  return area;
+}
+
+/* The file for KLayout has all drawn and all mask shapes. */
+static void test_klayout(void) {
+  static const char *const drawn[] = {"109/0", "101/0"}, *const masks[] = {
+                                                             "9/0", "1/0"};
+  both b = both_of(many());
+  opc_error error = {0};
+  opc_module *m = opc_test_module("write.klayout", "{ worst: 2 }", &error);
+  if (!m) g_error("%s", error.message);
+  opc_test_input(m, "mask", b.classes);
+  if (opc_test_run(m, NULL, &error)) g_error("%s", error.message);
+  opc_test_module_free(m);
+  g_autofree char *map =
+      g_strdup_printf("{ file: '%s/run.oas' }", opc_test_folder());
+  opc_module *reader = opc_test_module("read.oasis", map, &error);
+  if (!reader) g_error("%s", error.message);
+  eda_layout *file = run_step(reader);
+  for (size_t k = 0; k < 2; k++) {
+    g_assert_cmpfloat(file_differs(file, masks[k], &b.flat->shapes[k]), ==, 0);
+    g_assert_cmpfloat(file_differs(file, drawn[k], &b.gates->drawn[k]), ==, 0);
+  }
+  release_sample(reader, file);
+  both_clear(&b);
+}
+
+/* ---- the store ---- */
+
+/* A mask that was saved and restored has the same transistors, figures and
+   shapes. */
+static void test_restore(void) {
+  both b = both_of(uneven());
+  opc_error error = {0};
+  const eda_mask *all;
+  void *outputs[] = {b.classes}, *again[] = {NULL};
+  const opc_step *step = b.by_classes->functions;
+  opc_module *other = chip_of(&b.d, CHEAP ", radius: 800 nm");
+  if (step->save(b.by_classes->self, outputs, opc_test_folder(), &error) ||
+      step->restore(other->self, opc_test_folder(), again, &error))
+    g_error("%s", error.message);
+  const eda_mask *m = again[0];
+  const eda_chip *x = m->chip, *y = b.classes->chip;
+  g_assert_cmpmem(x->gate, x->count * sizeof *x->gate, y->gate,
+                  y->count * sizeof *y->gate);
+  g_assert_cmpmem(x->mask, x->masks * sizeof *x->mask, y->mask,
+                  y->masks * sizeof *y->mask);
+  for (size_t i = 0; i < b.flat->gates->count; i++) {
+    size_t k = class_of(&b, i);
+    g_assert_true(m->after.ion[k] == b.classes->after.ion[k]);
+    g_assert_true(m->design.ioff[k] == b.classes->design.ioff[k]);
+    g_assert_true(m->gates->length[k] == b.gates->length[i]);
+    g_assert_cmpuint(m->count[k], ==, b.classes->count[k]);
+  }
+  if (eda_mask_flat(m, &all, &error)) g_error("%s", error.message);
+  for (size_t k = 0; k < 2; k++)
+    g_assert_cmpfloat(shapes_differ(&all->shapes[k], &b.flat->shapes[k]), ==,
+                      0);
+  release_sample(other, again[0]);
+  both_clear(&b);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/parts/verify", test_verify);
   g_test_add_func("/parts/window", test_window);
   g_test_add_func("/parts/image", test_image);
   g_test_add_func("/parts/all", test_all);
+  g_test_add_func("/parts/cost", test_cost);
+  g_test_add_func("/parts/klayout", test_klayout);
+  g_test_add_func("/parts/restore", test_restore);
   return g_test_run();
 }
