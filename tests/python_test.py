@@ -221,6 +221,37 @@ def test_new():
     assert "no template in the language 'perl'" in found, found
 
 
+def test_description():
+    """A plugin is described once, and again after a change of its file or of a module."""
+    write("python", '#!/bin/sh\necho >> starts\nexec python3 "$@"\n')
+    os.chmod("python", 0o755)
+    more = dict(OPCFLOW_STORE=os.path.abspath("described"), OPCFLOW_PYTHON=os.path.abspath("python"))
+    call("run", "flow.yaml", "--quiet", "--force", "--output", "out/key", **more)  # makes the store
+    write("plugins/helper.py", "SECONDS = '1 s'\n")
+    text = SLOW.replace("import time", "import time\nimport helper", 1)
+
+    def described(expected, starts):
+        write("starts", "")
+        found = call("inspect", "test.described", **more)
+        assert expected in found, found
+        assert os.path.getsize("starts") == starts, (expected, os.path.getsize("starts"))
+
+    write("plugins/test.described.py", text.replace('"0 s"', "helper.SECONDS"))
+    described("1 s", 1)
+    described("1 s", 0)
+    write("plugins/helper.py", "SECONDS = '2 s'\n")
+    described("2 s", 1)
+    write("plugins/test.described.py", text.replace('"0 s"', "'3 s'"))
+    described("3 s", 1)
+    described("3 s", 0)
+    for name in os.listdir("described/python"):
+        if len(name) == 64:
+            write("described/python/" + name, '{"kind"')
+    described("3 s", 1)
+    more["OPCFLOW_PYTHON"] = "/nowhere"
+    assert "cannot start" in call("inspect", "test.described", code=3, **more)
+
+
 def test_modules():
     """A file without a dot in its name is a module of plugins, not a plugin."""
     write("plugins/module.py", "raise SystemExit('executed')\n")
@@ -233,7 +264,8 @@ def test_modules():
 
 def main():
     tests = [test_same_mask, test_inspect, test_key, test_kills, test_time_limit,
-             test_host_killed, test_lint, test_kit, test_new, test_modules]
+             test_host_killed, test_lint, test_kit, test_new, test_description,
+             test_modules]
     print("1..%d" % len(tests))
     if subprocess.run(["python3", "-c", "import numpy"], stderr=subprocess.DEVNULL).returncode:
         for i, test in enumerate(tests):

@@ -200,14 +200,18 @@ static int descriptor_set(py_plugin *plugin, opc_error *error) {
 
 /* Ask a process for the description of the plugin. */
 static int describe_ask(py_plugin *plugin, opc_error *error) {
-  py_worker *w = py_worker_start(plugin->path, plugin->id, error);
+  plugin->about = py_cache_get(plugin);
+  if (plugin->about) return descriptor_set(plugin, error);
+  py_worker *w = py_worker_start(plugin->path, plugin->id, NULL, error);
   if (!w) return error->code;
   py_request(w, "describe");
   int code = py_call(w, NULL, describe_limit, NULL, error);
   if (!code)
     plugin->about = json_node_init_object(json_node_alloc(), py_result(w));
   py_worker_free(w);
-  return code ? code : descriptor_set(plugin, error);
+  if (!code) code = descriptor_set(plugin, error);
+  if (!code) py_cache_put(plugin);
+  return code;
 }
 
 const opc_plugin *py_describe(const char *path, const char *id,

@@ -95,7 +95,11 @@ py_worker *py_open(py_instance *in, const char *call, int parameters,
                    opc_error *error) {
   const opc_plugin *d = &in->plugin->descriptor;
   if (!in->worker)
-    in->worker = py_worker_start(in->plugin->path, in->plugin->id, error);
+    in->worker =
+        py_worker_start(in->plugin->path, in->plugin->id,
+                        json_object_get_string_member(
+                            json_node_get_object(in->plugin->about), "python"),
+                        error);
   if (!in->worker) return NULL;
   py_request(in->worker, call);
   JsonObject *values =

@@ -50,6 +50,13 @@ const opc_plugin *py_describe(const char *path, const char *id,
 /* Return whether the Python class defines a method. */
 int py_defines(const py_plugin *plugin, const char *method);
 
+/* Return the folder of descriptions and bytecode in the store of results
+   (g_free); NULL without a store. */
+char *py_cache_folder(void);
+/* Return the kept description of a plugin, if valid; keep plugin->about. */
+JsonNode *py_cache_get(const py_plugin *plugin);
+void py_cache_put(const py_plugin *plugin);
+
 /* Set the functions of the kinds in a descriptor. */
 void py_synthesizer_set(py_plugin *plugin);
 void py_regulator_set(py_plugin *plugin);

@@ -10,15 +10,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "py.h"
+
 #include "private.h"
 
 extern char **environ;
-
-/* Executed by the interpreter: the package replaces the working folder as first
-   folder of the module path. */
-static const char start[] =
-    "import sys; sys.path[0] = sys.argv.pop(1); "
-    "from opcflow.worker import main; main(*sys.argv[1:])";
 
 /* ---- places ---- */
 
@@ -26,17 +22,17 @@ static const char start[] =
    installation, and of a build folder. */
 static const char *const places[] = {"../python", "../subprojects/python"};
 
-/* Return the folder that contains the package (g_free); NULL and *error. */
-static char *package_folder(opc_error *error) {
+/* Return the program of the process, in the package (g_free); NULL and
+   *error. */
+static char *package_program(opc_error *error) {
   Dl_info about;
-  if (!dladdr(start, &about) || !about.dli_fname) about.dli_fname = "";
+  if (!dladdr(places, &about) || !about.dli_fname) about.dli_fname = "";
   g_autofree char *folder = g_path_get_dirname(about.dli_fname);
   for (size_t i = 0; i < G_N_ELEMENTS(places); i++) {
     g_autofree char *file =
-        g_build_filename(folder, places[i], "opcflow", "worker.py", NULL);
+        g_build_filename(folder, places[i], "opcflow", "start.py", NULL);
     if (!g_file_test(file, G_FILE_TEST_EXISTS)) continue;
-    g_autofree char *path = g_build_filename(folder, places[i], NULL);
-    return g_canonicalize_filename(path, NULL);
+    return g_canonicalize_filename(file, NULL);
   }
   opc_fail(error, OPC_NO_PLUGIN, NULL,
            "the Python package opcflow is missing: expected '%s/%s/opcflow'",
@@ -104,13 +100,14 @@ static void close_open(int descriptor) {
 }
 
 static py_worker *worker_run(py_worker *w, const char *package,
-                             const char *path, opc_error *error) {
-  const char *python = g_getenv("OPCFLOW_PYTHON");
+                             const char *path, const char *python,
+                             opc_error *error) {
+  g_autofree char *cache = py_cache_folder();
+  if (!python) python = g_getenv("OPCFLOW_PYTHON");
   const char *const argv[] = {python && *python ? python : "python3",
                               "-u",
-                              "-c",
-                              start,
                               package,
+                              cache ? cache : "",
                               path,
                               w->id,
                               NULL};
@@ -134,8 +131,9 @@ static py_worker *worker_run(py_worker *w, const char *package,
   return NULL;
 }
 
-py_worker *py_worker_start(const char *path, const char *id, opc_error *error) {
-  g_autofree char *package = package_folder(error);
+py_worker *py_worker_start(const char *path, const char *id, const char *python,
+                           opc_error *error) {
+  g_autofree char *package = package_program(error);
   g_autofree char *whole = g_canonicalize_filename(path, NULL);
   if (!package) return NULL;
   py_worker *w = g_new0(py_worker, 1);
@@ -143,7 +141,7 @@ py_worker *py_worker_start(const char *path, const char *id, opc_error *error) {
   w->host = getpid();
   w->socket = w->alive = w->log = w->memory = -1;
   w->input = g_string_new(NULL);
-  return worker_run(w, package, whole, error);
+  return worker_run(w, package, whole, python, error);
 }
 
 /* Wait at most `seconds` for the end of the process. Returns whether it ended;

@@ -9,10 +9,11 @@
 
 typedef struct py_worker py_worker;
 
-/* Start `python3` (environment variable OPCFLOW_PYTHON: another interpreter)
-   with the package opcflow and the plugin `id` in the file `path`. NULL and
-   *error if the process cannot be started. */
-py_worker *py_worker_start(const char *path, const char *id, opc_error *error);
+/* Start the interpreter `python` (NULL: OPCFLOW_PYTHON or python3) with the
+   package opcflow and the plugin `id` in the file `path`. NULL and *error if
+   the process cannot be started. */
+py_worker *py_worker_start(const char *path, const char *id, const char *python,
+                           opc_error *error);
 
 /* End the process and free the worker; NULL: do nothing. */
 void py_worker_free(py_worker *worker);

@@ -130,8 +130,7 @@ class Channel:
 def fault(path, error):
     """Describe an exception: message, place in the plugin's file, traceback."""
     frames = traceback.extract_tb(error.__traceback__)
-    own = [f for f in frames if not f.filename.startswith(HERE) and f.filename != "<string>"
-           and not f.filename.startswith("<frozen")]
+    own = [f for f in frames if not f.filename.startswith(HERE) and not f.filename.startswith("<frozen")]
     inside = [f for f in own if f.filename == path] or own
     place = "%s:%d" % (os.path.basename(inside[-1].filename), inside[-1].lineno) if inside else ""
     if isinstance(error, SyntaxError) and error.filename:
@@ -149,7 +148,7 @@ def fault(path, error):
 def call(request, plugin, path, memory):
     """Execute a request and return the values of the reply."""
     if request["call"] == "describe":
-        return {**type(plugin).describe(), "files": sources(path)}
+        return {**type(plugin).describe(), "files": sources(path), "python": sys.executable}
     values = request["values"]
     plugin.set_parameters(values.pop("parameters", {}))
     values = {name: decode(v, memory.array) for name, v in values.items()}
