@@ -252,6 +252,66 @@ def test_description():
     assert "cannot start" in call("inspect", "test.described", code=3, **more)
 
 
+def cif_polygons(path):
+    """Return the polygons of a CIF file in nm, as sorted lists of points by layer."""
+    found, layer = {}, None
+    with open(path) as f:
+        for line in f:
+            if line.startswith("L "):
+                layer = line[2:].rstrip(";\n")
+            elif line.startswith("P "):
+                n = [int(word) for word in line[2:].rstrip(";\n").split()]
+                found.setdefault(layer, []).append(sorted(zip(n[::2], n[1::2])))
+    return {name: sorted(polygons) for name, polygons in found.items()}
+
+
+def test_runs():
+    """Run flows and read folders by the package: metrics, tables, polygons, comparisons."""
+    sys.path.insert(0, os.path.join(BUILD, "subprojects", "python"))
+    import opcflow
+    os.environ["OPCFLOW_COMMAND"] = OPCFLOW
+    call("new", "flow", "user.yaml")
+    with open("user.yaml") as f:
+        text = f.read()
+    cif = '  cif: { use: write.cif, mask: "${mask}", file: mask.cif }\nrequire:'
+    write("user.yaml", text.replace("require:", cif))
+    first = opcflow.run("user.yaml")
+    second = opcflow.run("user.yaml", output="out/x", mask__synthesizer__ion_limit="3 %",
+                         **{"mask.ion_limit": "4 %"})
+    assert not first.problems and first.folder != second.folder
+    with open("out/x/metrics.json") as f:
+        worst = json.load(f)["mask"]["ion_max"]["value"]
+    assert second.metrics["mask.ion_max"] == worst > first.metrics["mask.ion_max"]
+    with open(second.path("gates.csv")) as f:
+        lines = f.read().splitlines()
+    rows = second.table("gates")
+    assert len(rows) == len(lines) - 1 == 4 and rows[0]["w (nm)"] == 400.0
+    assert rows[3]["transistor"] == lines[4].split(",")[0] and "history" in second.tables
+    cif = cif_polygons(second.path("mask.cif"))
+    gds = {layer: sorted(sorted(map(tuple, p.round(6))) for p in polygons)
+           for layer, polygons in second.shapes("mask.gds").items()}
+    assert len(cif) >= 2, cif
+    for layer, polygons in cif.items():
+        assert polygons in gds.values(), (layer, polygons, gds)
+    try:
+        second.shapes("gates.csv")
+        raise AssertionError("a table was read as GDSII")
+    except ValueError as error:
+        assert "gates.csv" in str(error)
+    found = opcflow.compare(first, second)
+    assert len(found.tables["runs"]) == 2 and "mask.ion_max" in found._repr_html_()
+    assert "mask.ion_max" in second._repr_html_() and "<table>" in second._repr_html_()
+    try:
+        opcflow.run("user.yaml", mask__synthesizer__ion_limt="3 %")
+        raise AssertionError("an unknown parameter was accepted")
+    except opcflow.Failed as error:
+        assert error.code == 2 and "ion_limt" in str(error), error
+    folder = first.folder
+    del first
+    assert not os.path.exists(folder)
+    shutil.rmtree("out/x")
+
+
 def test_modules():
     """A file without a dot in its name is a module of plugins, not a plugin."""
     write("plugins/module.py", "raise SystemExit('executed')\n")
@@ -265,7 +325,7 @@ def test_modules():
 def main():
     tests = [test_same_mask, test_inspect, test_key, test_kills, test_time_limit,
              test_host_killed, test_lint, test_kit, test_new, test_description,
-             test_modules]
+             test_runs, test_modules]
     print("1..%d" % len(tests))
     if subprocess.run(["python3", "-c", "import numpy"], stderr=subprocess.DEVNULL).returncode:
         for i, test in enumerate(tests):

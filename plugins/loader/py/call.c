@@ -98,7 +98,7 @@ void py_add_array(py_worker *w, JsonObject *to, const char *name,
                   const void *data) {
   enum { ALIGN = 64 };
   size_t at = (w->used + ALIGN - 1) / ALIGN * ALIGN;
-  size_t bytes = count * width * type_size(type);
+  size_t bytes = count * MAX(width, 1) * type_size(type);
   if (bytes && !data) {
     json_object_set_null_member(to, name);
     return;
@@ -117,7 +117,7 @@ void py_add_array(py_worker *w, JsonObject *to, const char *name,
 /* Return the size of a described array in bytes. */
 static size_t array_bytes(JsonArray *about) {
   return (size_t)(json_array_get_int_element(about, 2) *
-                  json_array_get_int_element(about, 3)) *
+                  MAX(json_array_get_int_element(about, 3), 1)) *
          type_size(json_array_get_string_element(about, 0));
 }
 

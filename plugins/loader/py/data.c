@@ -11,34 +11,34 @@
   { #member, notation, offsetof(of, member), elements }
 
 static const py_field gates_fields[] = {
-    FIELD(eda_gates, box, "i4", 4),    FIELD(eda_gates, type, "u1", 1),
-    FIELD(eda_gates, axis, "u1", 1),   FIELD(eda_gates, length, "f8", 1),
-    FIELD(eda_gates, width, "f8", 1),  FIELD(eda_gates, space, "f8", 2),
-    FIELD(eda_gates, number, "u4", 1), FIELD(eda_gates, extension, "f8", 2)};
+    FIELD(eda_gates, box, "i4", 4),    FIELD(eda_gates, type, "u1", 0),
+    FIELD(eda_gates, axis, "u1", 0),   FIELD(eda_gates, length, "f8", 0),
+    FIELD(eda_gates, width, "f8", 0),  FIELD(eda_gates, space, "f8", 2),
+    FIELD(eda_gates, number, "u4", 0), FIELD(eda_gates, extension, "f8", 2)};
 static const py_field performance_fields[] = {
-    FIELD(eda_performance, ion, "f8", 1),
-    FIELD(eda_performance, ioff, "f8", 1),
-    FIELD(eda_performance, leq_ion, "f8", 1),
-    FIELD(eda_performance, leq_ioff, "f8", 1),
-    FIELD(eda_performance, weq, "f8", 1),
-    FIELD(eda_performance, area, "f8", 1),
-    FIELD(eda_performance, outside, "u1", 1)};
+    FIELD(eda_performance, ion, "f8", 0),
+    FIELD(eda_performance, ioff, "f8", 0),
+    FIELD(eda_performance, leq_ion, "f8", 0),
+    FIELD(eda_performance, leq_ioff, "f8", 0),
+    FIELD(eda_performance, weq, "f8", 0),
+    FIELD(eda_performance, area, "f8", 0),
+    FIELD(eda_performance, outside, "u1", 0)};
 static const py_field feedback_fields[] = {
-    FIELD(eda_feedback, flags, "u4", 1), FIELD(eda_feedback, vetoes, "u4", 1),
+    FIELD(eda_feedback, flags, "u4", 0), FIELD(eda_feedback, vetoes, "u4", 0),
     FIELD(eda_feedback, end, "i4", 2), FIELD(eda_feedback, next_end, "i4", 2)};
 static const py_field moves_fields[] = {
-    FIELD(eda_moves, l, "i4", 1), FIELD(eda_moves, w, "i4", 1),
-    FIELD(eda_moves, jog, "i4", 1), FIELD(eda_moves, aside, "i4", 1),
+    FIELD(eda_moves, l, "i4", 0), FIELD(eda_moves, w, "i4", 0),
+    FIELD(eda_moves, jog, "i4", 0), FIELD(eda_moves, aside, "i4", 0),
     FIELD(eda_moves, part, "i4", 3 * EDA_PARTS)};
 static const py_field printed_fields[] = {
-    FIELD(eda_printed, flags, "u4", 1),
-    FIELD(eda_printed, l, "i4", 1),
-    FIELD(eda_printed, w, "i4", 1),
-    FIELD(eda_printed, aside, "i4", 1),
+    FIELD(eda_printed, flags, "u4", 0),
+    FIELD(eda_printed, l, "i4", 0),
+    FIELD(eda_printed, w, "i4", 0),
+    FIELD(eda_printed, aside, "i4", 0),
     FIELD(eda_printed, extension, "f8", 2),
     FIELD(eda_printed, want_extension, "f8", 2),
     FIELD(eda_printed, want_head, "f8", 2)};
-static const py_field ruling_fields[] = {FIELD(eda_ruling, vetoes, "u4", 1),
+static const py_field ruling_fields[] = {FIELD(eda_ruling, vetoes, "u4", 0),
                                          FIELD(eda_ruling, end, "i4", 2)};
 
 #define TABLE(fields) \
@@ -88,7 +88,7 @@ void py_add_performance(py_worker *w, JsonObject *to, const char *name,
 
 void py_add_frame(py_worker *w, JsonObject *to, eda_frame frame) {
   const double sides[] = {frame.x0, frame.y0, frame.width, frame.height};
-  py_add_array(w, to, "frame", "f8", G_N_ELEMENTS(sides), 1, sides);
+  py_add_array(w, to, "frame", "f8", G_N_ELEMENTS(sides), 0, sides);
 }
 
 void py_add_scanner(JsonObject *to, eda_scanner scanner) {
@@ -111,10 +111,10 @@ void py_add_shapes(py_worker *w, JsonObject *to, const char *name,
   for (size_t k = 0; shapes && k < layers; k++) {
     const eda_shapes *s = &shapes[k];
     JsonObject *o = json_object_new();
-    py_add_array(w, o, "start", "u4", s->count ? s->count + 1 : 0, 1, s->start);
+    py_add_array(w, o, "start", "u4", s->count ? s->count + 1 : 0, 0, s->start);
     py_add_array(w, o, "points", "i4", s->count ? s->start[s->count] : 0, 2,
                  s->points);
-    py_add_array(w, o, "hole", "u1", s->count, 1, s->hole);
+    py_add_array(w, o, "hole", "u1", s->count, 0, s->hole);
     json_array_add_object_element(list, o);
   }
   json_object_set_array_member(to, name, list);
@@ -132,7 +132,7 @@ void py_add_gates(py_worker *w, JsonObject *to, const char *name,
   py_add_texts(o, "instance", g->instance, g->count);
   py_add_texts(o, "cell", g->cell, g->count);
   py_add_texts(o, "flavour", g->flavour, g->count);
-  py_add_array(w, o, "extent", "i4", 4, 1, extent);
-  py_add_array(w, o, "corrected", "u1", g->layers, 1, g->corrected);
+  py_add_array(w, o, "extent", "i4", 4, 0, extent);
+  py_add_array(w, o, "corrected", "u1", g->layers, 0, g->corrected);
   py_add_shapes(w, o, "drawn", g->layers, g->drawn);
 }

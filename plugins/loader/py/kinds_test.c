@@ -46,6 +46,16 @@ static void test_extractor(void) {
   g_assert_true(out.ioff[0] == 2 && out.ioff[1] == 5);
   g_assert_true(out.leq_ion[1] == 32 && out.leq_ioff[1] == 100);
   g_assert_true(out.weq[1] == 650 && out.area[0] == 7 && out.outside[1] == 1);
+  /* Slices have two dimensions, even if a gate has one slice. */
+  const eda_slices one = {.count = 2,
+                          .slices = 1,
+                          .type = type,
+                          .width = width,
+                          .length = length,
+                          .edge = edge};
+  g_assert_cmpint(e->extract(m->self, &one, &out, &error), ==, OPC_FAILED);
+  g_assert_nonnull(
+      strstr(error.message, "index 1 is out of bounds for axis 1"));
   eda_performance_clear(&out);
 }
 

@@ -50,7 +50,7 @@ static int extract_locked(py_instance *in, const eda_slices *s,
   if (!w) return s->count ? error->code : OPC_OK;
   JsonObject *o = py_object(py_values(w), "slices");
   py_add_texts(o, "flavour", s->flavour, s->count);
-  py_add_array(w, o, "type", "u1", s->count, 1, s->type);
+  py_add_array(w, o, "type", "u1", s->count, 0, s->type);
   py_add_array(w, o, "width", "f8", s->count, s->slices, s->width);
   py_add_array(w, o, "length", "f8", s->count, s->slices, s->length);
   py_add_array(w, o, "edge", "f8", s->count, s->slices, s->edge);

@@ -80,7 +80,7 @@ int py_send(py_instance *instance, py_answer *answer, opc_error *error);
 /* ---- data (data.c) ---- */
 
 /* An array of a struct: name, notation of NumPy, offset of the pointer,
-   elements of a gate. */
+   elements of a gate (0: one, without a dimension of its own). */
 typedef struct py_field {
   const char *name, *type;
   size_t offset, width;

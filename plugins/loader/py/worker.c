@@ -22,8 +22,7 @@ extern char **environ;
    installation, and of a build folder. */
 static const char *const places[] = {"../python", "../subprojects/python"};
 
-/* Return the program of the process, in the package (g_free); NULL and
-   *error. */
+/* Return the path of start.py of the package (g_free); NULL and *error. */
 static char *package_program(opc_error *error) {
   Dl_info about;
   if (!dladdr(places, &about) || !about.dli_fname) about.dli_fname = "";

@@ -30,7 +30,8 @@ void py_set_number(JsonObject *object, const char *name, double value);
 /* Add an empty object and return it. */
 JsonObject *py_object(JsonObject *to, const char *name);
 
-/* Add an array of `count` rows of `width` elements to an object of the request.
+/* Add an array of `count` rows of `width` elements to an object of the request;
+   width 0: an array of one dimension.
    `type` is the notation of NumPy: "f8", "f4", "i4", "u4", "u1". `data` NULL:
    None, unless the array is empty. The Python function can change the
    elements. */

@@ -12,7 +12,7 @@ from .parameters import (Invalid, boolean, choice, file, integer, mapping, metri
 from .plugins import (Extractor, Litho, Regulator, Resist, Step, Synthesizer, gates_input,
                       mask_input)
 
-RUNS = ("Failed", "Run", "run")
+RUNS = ("Comparison", "Failed", "Run", "compare", "run")
 
 __all__ = ["ACTIVE", "END", "NMOS", "OPEN", "PARTS", "PMOS", "POLY", "VETO_LONGER",
            "VETO_NARROWER", "VETO_SHORTER", "VETO_WIDER", "Invalid", "boolean", "choice", "file",

@@ -10,6 +10,7 @@ import os
 import shutil
 import subprocess
 import tempfile
+from html import escape
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 # The program in an installation, in a build folder, and in the PATH.
@@ -114,3 +115,76 @@ class Run:
         except ImportError:
             return rows
         return pandas.DataFrame(rows)
+
+    def shapes(self, name):
+        """Return the polygons of a flat GDSII file of the run, such as a mask or contours: lists
+        of arrays (points, 2) in nm by (layer, datatype)."""
+        with open(self.path(name), "rb") as f:
+            return read_gds(f.read(), self.path(name))
+
+    def _repr_html_(self):
+        rows = [(name, "%g" % value) for name, value in self.metrics.items()
+                if isinstance(value, (int, float))]
+        faults = "".join("<p>%s</p>" % escape(p) for p in self.problems)
+        return "<h4>%s</h4>%s%s" % (escape(self.folder), faults, html(("metric", "value"), rows))
+
+
+class Comparison:
+    """Comparison of runs by `opcflow compare`. `tables`: lists of dictionaries by name."""
+
+    def __init__(self, document):
+        self.metrics = {name: m["value"] for name, m in document["metrics"].items()}
+        self.tables = {t["name"]: [dict(zip([c["name"] for c in t["columns"]], row))
+                                   for row in t["rows"]] for t in document["tables"]}
+
+    def _repr_html_(self):
+        return "".join("<h4>%s</h4>%s" % (escape(name), html(rows[0], [r.values() for r in rows]))
+                       for name, rows in self.tables.items() if rows)
+
+
+def compare(*runs):
+    """Compare runs or run folders with the first one, and return the Comparison."""
+    code, text, messages = call("compare", *(getattr(r, "folder", r) for r in runs), "--json")
+    if code > 1:
+        raise Failed(code, messages.strip())
+    return Comparison(json.loads(text))
+
+
+def html(names, rows):
+    """Return a table in HTML."""
+    def line(cell, values):
+        return "<tr>%s</tr>" % "".join("<%s>%s</%s>" % (cell, escape(str(v)), cell) for v in values)
+    return "<table>%s%s</table>" % (line("th", names), "".join(line("td", r) for r in rows))
+
+
+def real(eight):
+    """Return a number of GDSII: sign, exponent of 16, and 56 bits of a fraction."""
+    sign, fraction = -1 if eight[0] & 128 else 1, int.from_bytes(eight[1:], "big")
+    return sign * fraction * 16.0 ** ((eight[0] & 127) - 64 - 14)
+
+
+def read_gds(data, name):
+    """Return the polygons of a GDSII file without references."""
+    import numpy as np
+    at, unit, layer, element, found = 0, None, [0, 0], 0, {}
+    while at < len(data):
+        size, kind = int.from_bytes(data[at:at + 2], "big"), data[at + 2:at + 3]
+        body = data[at + 4:at + size]
+        if size < 4 or at + size > len(data):
+            raise ValueError("%s: record at byte %d is truncated" % (name, at))
+        if kind in (b"\x09", b"\x0a", b"\x0b", b"\x2d"):
+            raise ValueError("%s: element 0x%s at byte %d, expected polygons only" %
+                             (name, kind.hex(), at))
+        if kind in (b"\x08", b"\x0c"):
+            element = kind
+        elif kind == b"\x03":
+            unit = real(body[8:16]) * 1e9
+        elif kind in (b"\x0d", b"\x0e"):
+            layer[kind[0] - 13] = int.from_bytes(body, "big")
+        elif kind == b"\x10" and element == b"\x08":
+            points = np.frombuffer(body, ">i4").reshape(-1, 2)[:-1] * unit
+            found.setdefault(tuple(layer), []).append(points)
+        elif kind == b"\x04":
+            return found
+        at += size
+    raise ValueError("%s: the file has no end record" % name)

@@ -72,10 +72,11 @@ class Memory:
             self.idle = sys.getrefcount(self.map)
 
     def array(self, type, offset, count, width):
-        """Return an array of `count` rows."""
-        array = np.frombuffer(self.map, TYPES[type], count * width, offset) if count * width \
+        """Return an array of `count` rows; width 0: of one dimension."""
+        size = count * max(width, 1)
+        array = np.frombuffer(self.map, TYPES[type], size, offset) if size \
             else np.zeros(0, TYPES[type])
-        return array if width == 1 else array.reshape(count, width)
+        return array.reshape(count, width) if width else array
 
     def is_kept(self):
         """Return whether an array still refers to the memory."""
@@ -92,7 +93,7 @@ class Memory:
             self.open(2 * size)
         if array.size:
             np.frombuffer(self.map, TYPES[type], array.size, used)[:] = array.ravel()
-        return {"array": [type, used, array.size, 1]}, size
+        return {"array": [type, used, array.size, 0]}, size
 
 
 class Channel:
