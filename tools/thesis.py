@@ -14,7 +14,7 @@ PICTURES = "docs/images/thesis"
 SMALL = ("c17", "c432", "c499", "c1355", "c1908")
 LARGE = ("c2670", "c3540", "c5315", "c6288", "c7552")
 CIRCUITS = SMALL + LARGE
-DELAYS = ("c17", "c432", "c499", "c1908", "c6288")
+DELAYS = ("c17",)
 METHODS = ("epe", "dpb", "ic")
 LABEL = {"epe": "EPE-OPC", "pb": "PB-OPC", "dpb": "DPB-OPC", "ic": "IC-OPC"}
 
@@ -574,8 +574,7 @@ def questions(flow, circuit_cases, path_options):
         dict(name="library-cells", title="All cells by EPE- and DPB-OPC", make=cells_table,
              runs=[("combinational", flow("flows/chapter3.yaml", cells)),
                    ("with state", flow("flows/chapter3.yaml", states, variant="masks"))],
-             pictures=[("transients.svg", transients_picture), ("cells.svg", cells_picture),
-                       ("cell-ratios.svg", cell_ratios_picture)]),
+             pictures=[("transients.svg", transients_picture), ("cells.svg", cells_picture)]),
         dict(name="library-dpb", title="Masks from cells by DPB-OPC", make=library_table, show=1, runs=[
             (c, flow("flows/library-compare.yaml", "compare.methods=[dpb_flat, dpb_placed, dpb_2, dpb_0]",
                      "compare.cases=[{ name: %s, layout.file: $DATA/iscas85/%s/%s.gds, layout.scale: 1.3,"
