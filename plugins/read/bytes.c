@@ -152,6 +152,7 @@ void reading_open(reading *b) {
                                                 : "is not a regular file");
   if (b->failed) return;
   b->n = (size_t)about.st_size;
+  eda_grow(&b->bytes, &b->capacity, 1, 1); /* not NULL for an empty file */
   const uint8_t *first = reading_view(b, 0, 2, &n);
   if (gzip_is_packed(first, n)) reading_unzip(b);
 }
