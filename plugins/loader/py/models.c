@@ -44,8 +44,10 @@ static size_t extractor_slicing(const void *self, const double **place,
   return in->slices;
 }
 
-static int extract_locked(py_instance *in, const eda_slices *s,
-                          eda_performance *out, opc_error *error) {
+static int extractor_extract(const void *self, const eda_slices *s,
+                             eda_performance *out, opc_error *error) {
+  py_instance *in = (py_instance *)self;
+  g_autoptr(GMutexLocker) locker = g_mutex_locker_new(&in->lock);
   py_worker *w = s->count ? py_open(in, "extract", 0, error) : NULL;
   if (!w) return s->count ? error->code : OPC_OK;
   JsonObject *o = py_object(py_values(w), "slices");
@@ -58,15 +60,6 @@ static int extract_locked(py_instance *in, const eda_slices *s,
       py_add_table(w, py_values(w), "out", &py_performance, s->count, out);
   int code = py_send(in, NULL, error);
   if (!code) py_get_table(w, to, &py_performance, out);
-  return code;
-}
-
-static int extractor_extract(const void *self, const eda_slices *slices,
-                             eda_performance *out, opc_error *error) {
-  py_instance *in = (py_instance *)self;
-  g_mutex_lock(&in->lock);
-  int code = extract_locked(in, slices, out, error);
-  g_mutex_unlock(&in->lock);
   return code;
 }
 
@@ -87,8 +80,11 @@ static int resist_prepare(void *self, const opc_module *litho,
   return py_send(in, NULL, error);
 }
 
-static int print_locked(py_instance *in, int layer, eda_field *field,
+static int resist_print(const void *self, int layer, eda_field *field,
                         opc_error *error) {
+  py_instance *in = (py_instance *)self;
+  eda_field_samples(in->host->context, field);
+  g_autoptr(GMutexLocker) locker = g_mutex_locker_new(&in->lock);
   py_worker *w = py_open(in, "print", 0, error);
   if (!w) return error->code;
   JsonObject *o = py_object(py_values(w), "image");
@@ -97,19 +93,10 @@ static int print_locked(py_instance *in, int layer, eda_field *field,
   py_add_array(w, o, "values", "f4", (size_t)field->ny, (size_t)field->nx,
                field->coefficients);
   int code = py_send(in, NULL, error);
-  if (!code) py_get_array(w, o, "values", field->coefficients);
-  return code;
-}
-
-static int resist_print(const void *self, int layer, eda_field *field,
-                        opc_error *error) {
-  py_instance *in = (py_instance *)self;
-  eda_field_samples(in->host->context, field);
-  g_mutex_lock(&in->lock);
-  int code = print_locked(in, layer, field, error);
-  g_mutex_unlock(&in->lock);
-  if (!code) eda_field_from_samples(in->host->context, field);
-  return code;
+  if (code) return code;
+  py_get_array(w, o, "values", field->coefficients);
+  eda_field_from_samples(in->host->context, field);
+  return OPC_OK;
 }
 
 void py_resist_set(py_plugin *p) {
@@ -146,8 +133,10 @@ static int take_image(py_instance *in, eda_frame frame, eda_field *out,
   return OPC_OK;
 }
 
-static int image_locked(py_instance *in, int layer, const eda_spectrum *mask,
-                        double defocus, eda_field *out, opc_error *error) {
+static int litho_image_at(const void *self, int layer, const eda_spectrum *mask,
+                          double defocus, eda_field *out, opc_error *error) {
+  py_instance *in = (py_instance *)self;
+  g_autoptr(GMutexLocker) locker = g_mutex_locker_new(&in->lock);
   py_worker *w = py_open(in, "image", 0, error);
   if (!w) return error->code;
   JsonObject *o = py_object(py_values(w), "mask");
@@ -158,15 +147,7 @@ static int image_locked(py_instance *in, int layer, const eda_spectrum *mask,
   py_add_array(w, o, "spectrum", "f4", (size_t)mask->rows,
                2 * (size_t)mask->columns, mask->data);
   int code = py_send(in, NULL, error);
-  return code ? code : take_image(in, mask->frame, out, error);
-}
-
-static int litho_image_at(const void *self, int layer, const eda_spectrum *mask,
-                          double defocus, eda_field *out, opc_error *error) {
-  py_instance *in = (py_instance *)self;
-  g_mutex_lock(&in->lock);
-  int code = image_locked(in, layer, mask, defocus, out, error);
-  g_mutex_unlock(&in->lock);
+  if (!code) code = take_image(in, mask->frame, out, error);
   if (!code) eda_field_from_samples(in->host->context, out);
   return code;
 }
@@ -181,7 +162,7 @@ static eda_scanner litho_scanner(const void *self) {
   py_instance *in = (py_instance *)self;
   opc_error error;
   eda_scanner scanner = {0};
-  g_mutex_lock(&in->lock);
+  g_autoptr(GMutexLocker) locker = g_mutex_locker_new(&in->lock);
   py_worker *w = py_open(in, "scanner", 1, &error);
   if (w && !py_send(in, NULL, &error)) {
     scanner.wavelength =
@@ -190,7 +171,6 @@ static eda_scanner litho_scanner(const void *self) {
   } else {
     in->host->log(in->host, OPC_LOG_WARNING, "%s", error.message);
   }
-  g_mutex_unlock(&in->lock);
   return scanner;
 }
 

@@ -131,7 +131,7 @@ class Channel:
 def fault(path, error):
     """Describe an exception: message, place in the plugin's file, traceback."""
     frames = traceback.extract_tb(error.__traceback__)
-    own = [f for f in frames if not f.filename.startswith(HERE) and not f.filename.startswith("<frozen")]
+    own = [f for f in frames if not f.filename.startswith((HERE, "<frozen"))]
     inside = [f for f in own if f.filename == path] or own
     place = "%s:%d" % (os.path.basename(inside[-1].filename), inside[-1].lineno) if inside else ""
     if isinstance(error, SyntaxError) and error.filename:
