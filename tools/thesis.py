@@ -576,7 +576,7 @@ def questions(flow, circuit_cases, path_options):
                    ("with state", flow("flows/chapter3.yaml", states, variant="masks"))],
              pictures=[("transients.svg", transients_picture), ("cells.svg", cells_picture)]),
         dict(name="library-dpb", title="Masks from cells by DPB-OPC", make=library_table, show=1, runs=[
-            (c, flow("flows/library-compare.yaml", "compare.methods=[dpb_flat, dpb_placed, dpb_2, dpb_0]",
+            (c, flow("flows/library-compare.yaml", "compare.methods=[dpb_flat, dpb_cells, dpb_placed, dpb_2, dpb_0]",
                      "compare.cases=[{ name: %s, layout.file: $DATA/iscas85/%s/%s.gds, layout.scale: 1.3,"
                      " layout.layers.outline: 235/0, mask.neighbours: outline }]" % (c, c, c)))
             for c in ("c17", "c432", "c499")]),
