@@ -133,12 +133,13 @@ static eda_chip *chip_of(const eda_layout *layout, const eda_gates *g,
 
 /* ---- the truth ---- */
 
-/* Compute the flat mask of a layer. */
-static eda_shapes mask_of(const eda_chip *chip, const eda_gates *g, size_t k) {
+/* Compute the flat mask of a layer, or its drawn shapes. */
+static eda_shapes mask_of(const eda_chip *chip, const eda_gates *g, size_t k,
+                          int drawn) {
   opc_error error;
   eda_shapes s;
   eda_moved *moved = eda_chip_moved(chip, g);
-  int code = g->corrected[k]
+  int code = g->corrected[k] && !drawn
                  ? correct_start_mask(g, moved, k, &s, &error)
                  : eda_boolean(EDA_OR, &g->drawn[k], NULL, &s, &error);
   if (code) g_error("%s", error.message);
@@ -148,11 +149,11 @@ static eda_shapes mask_of(const eda_chip *chip, const eda_gates *g, size_t k) {
 
 /* Check that the layers of a flattened layout equal these shapes. */
 static void check_same(const eda_layout *made, const eda_chip *chip,
-                       const eda_gates *g) {
+                       const eda_gates *g, int drawn) {
   opc_error error;
   for (size_t k = 0; k < g->layers; k++) {
     eda_flat all;
-    eda_shapes want = mask_of(chip, g, k), differ;
+    eda_shapes want = mask_of(chip, g, k, drawn), differ;
     int32_t layer = eda_layout_find_layer(made, g->layer[k]);
     int32_t top = eda_layout_top(made, &error);
     g_assert_cmpint(top, >=, 0);
@@ -203,7 +204,7 @@ static eda_layout *flat_layout(const eda_chip *chip, const eda_gates *g) {
   eda_layout *out = eda_layout_new(chip->grid, &error);
   int32_t cell = eda_layout_cell(out, "FLAT", &error);
   for (size_t k = 0; k < g->layers; k++) {
-    eda_shapes s = mask_of(chip, g, k);
+    eda_shapes s = mask_of(chip, g, k, 0);
     int32_t layer = eda_layout_layer(out, g->layer[k], &error);
     eda_box *boxes;
     size_t n;
@@ -240,15 +241,15 @@ static char *ask_klayout(void) {
 
 /* ---- tests ---- */
 
-static const eda_layout *hierarchy_of(eda_chip *chip) {
+static const eda_layout *hierarchy_of(eda_chip *chip, int drawn) {
   static const opc_host host = {0};
   static const classes_source source = {.host = &host};
   opc_error error;
   const eda_layout *made, *again;
   eda_mask *m = eda_chip_mask_new(chip);
   correct_classes_access(m, &source);
-  if (m->access->layout(m, 0, &made, &error)) g_error("%s", error.message);
-  if (m->access->layout(m, 0, &again, &error)) g_error("%s", error.message);
+  if (m->access->layout(m, drawn, &made, &error)) g_error("%s", error.message);
+  if (m->access->layout(m, drawn, &again, &error)) g_error("%s", error.message);
   g_assert_true(made == again);
   m->chip = NULL;
   eda_mask_free(m);
@@ -276,8 +277,9 @@ static void test_same(void) {
     eda_layout *layout = draw_sample(round == 2 ? 0.9 : 1);
     eda_gates *g = flat(layout);
     eda_chip *chip = chip_of(layout, g, rand);
-    const eda_layout *made = hierarchy_of(chip);
-    check_same(made, chip, g);
+    const eda_layout *made = hierarchy_of(chip, 0);
+    check_same(made, chip, g, 0);
+    check_same(hierarchy_of(chip, 1), chip, g, 1);
     size_t references, placed = count_placed(made, &references);
     g_assert_cmpuint(placed, ==, 1200 + 8 + 3);
     g_test_message("%zu cells, %zu references", eda_layout_cells(made),
@@ -299,7 +301,7 @@ static void test_klayout(void) {
   eda_gates *g = flat(layout);
   eda_chip *chip = chip_of(layout, g, rand);
   eda_layout *all = flat_layout(chip, g);
-  const eda_layout *made = hierarchy_of(chip);
+  const eda_layout *made = hierarchy_of(chip, 0);
   write_oasis((void *)made, "made.oas");
   write_oasis(all, "flat.oas");
   g_autofree char *answer = ask_klayout();

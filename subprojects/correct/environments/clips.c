@@ -7,6 +7,7 @@
 #include <eda/formats.h>
 #include <eda/index.h>
 #include <eda/memory.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -88,6 +89,39 @@ static int find_territories(window *w, eda_box *see) {
   return OPC_OK;
 }
 
+static int masked_finish(masked *m, opc_error *error) {
+  int code = eda_fracture(&m->shapes, &m->box, &m->boxes, error);
+  if (!code) m->index = eda_index_new(m->box, m->boxes, 0);
+  return code;
+}
+
+static int drawn_flatten(const eda_chip *chip, int32_t layer, eda_box see,
+                         eda_shapes *out, opc_error *error) {
+  eda_flat flat;
+  int code = eda_layout_flatten_window(chip->layout, chip->top, layer,
+                                       chip->grid, &see, &flat, error);
+  if (code) return code;
+  /* As the segmentation of the layout does. */
+  (void)eda_shapes_straighten(&flat.shapes,
+                              (int32_t)lround(fmax(1, 1 / chip->grid)));
+  code = eda_boolean(EDA_OR, &flat.shapes, NULL, out, error);
+  eda_flat_clear(&flat);
+  return code;
+}
+
+/* Drawn shapes need no search for transistors. */
+static int make_drawn(window *w, eda_box see) {
+  const cutter *c = w->cutter;
+  int code = OPC_OK;
+  for (size_t k = 0; k < c->chip->layers && !code; k++) {
+    masked *m = &w->mask[k];
+    if (c->drawn[k] >= 0)
+      code = drawn_flatten(c->chip, c->drawn[k], see, &m->shapes, w->error);
+    if (!code) code = masked_finish(m, w->error);
+  }
+  return code;
+}
+
 static int make_mask(window *w, eda_box see) {
   const cutter *c = w->cutter;
   const eda_chip *chip = c->chip;
@@ -101,8 +135,7 @@ static int make_mask(window *w, eda_box see) {
     code = g->corrected[k]
                ? correct_start_mask(g, moved, k, &m->shapes, w->error)
                : eda_boolean(EDA_OR, &g->drawn[k], NULL, &m->shapes, w->error);
-    if (!code) code = eda_fracture(&m->shapes, &m->box, &m->boxes, w->error);
-    if (!code) m->index = eda_index_new(m->box, m->boxes, 0);
+    if (!code) code = masked_finish(m, w->error);
   }
   eda_moved_free(moved);
   eda_gates_free(g);
@@ -225,7 +258,7 @@ int clips_cut(const cutter *by, eda_box core, clips *out, opc_error *error) {
   eda_box see;
   *out = (clips){.rest = eda_alloc(layers, sizeof *out->rest)};
   int code = find_territories(&w, &see);
-  if (!code) code = make_mask(&w, see);
+  if (!code) code = by->drawn ? make_drawn(&w, see) : make_mask(&w, see);
   if (!code) code = cut_territories(&w);
   if (!code) code = cut_rest(&w);
   for (size_t k = 0; k < layers; k++) {

@@ -12,6 +12,9 @@
 typedef struct cutter {
   const eda_chip *chip;
   const eda_layout *outline;
+  const int32_t
+      *drawn;     /* [layers of the chip], layers of the chip's layout, -1:
+                     none; dissect their shapes. NULL: dissect the mask */
   int32_t margin; /* largest displacement of a mask edge, grid units */
 } cutter;
 

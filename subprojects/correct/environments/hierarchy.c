@@ -29,8 +29,10 @@ typedef struct maker {
   eda_layout *out;
   int32_t top, *layer; /* [layers of the chip], top cell of the output; [layers
                           of the chip], layer of the output */
-  GHashTable *known;   /* maps the shapes of a clip to the cell number + 1 */
-  int32_t *cell;       /* [n_cells], cell of the layout */
+  int32_t
+      *from; /* [layers of the chip], layer of the chip's layout; -1: none */
+  GHashTable *known; /* maps the shapes of a clip to the cell number + 1 */
+  int32_t *cell;     /* [n_cells], cell of the layout */
   size_t n_cells, cell_capacity;
   put *put;
   size_t n_put, put_capacity;
@@ -189,11 +191,12 @@ static int32_t drawn_layer(const eda_chip *chip, size_t k) {
    layers. */
 static void layout_open(maker *w, const eda_chip *chip, opc_error *error) {
   w->layer = eda_alloc(chip->layers, sizeof *w->layer);
+  w->from = eda_alloc(chip->layers, sizeof *w->from);
   w->out = eda_layout_new(chip->grid, error);
   w->top = eda_layout_cell(
       w->out, eda_layout_cell_name(chip->layout, chip->top), error);
   for (size_t k = 0; k < chip->layers; k++) {
-    int32_t drawn = drawn_layer(chip, k);
+    int32_t drawn = w->from[k] = drawn_layer(chip, k);
     w->layer[k] = eda_layout_layer(w->out, chip->layer[k], error);
     if (drawn >= 0)
       eda_layout_set_file_layer(w->out, w->layer[k],
@@ -201,15 +204,20 @@ static void layout_open(maker *w, const eda_chip *chip, opc_error *error) {
   }
 }
 
-static int layout_begin(maker *w, const eda_chip *chip, opc_error *error) {
+static int layout_begin(maker *w, const eda_chip *chip, int drawn,
+                        opc_error *error) {
   int32_t *from = eda_alloc(chip->layers, sizeof *from);
   size_t n = 0;
   layout_open(w, chip, error);
   for (size_t k = 0; k < chip->layers; k++) {
-    from[n] = drawn_layer(chip, k);
+    from[n] = w->from[k];
     n += from[n] >= 0;
   }
-  int32_t before, m = find_moves(chip), far = find_boxes(chip, &before);
+  int32_t before = 0, m = 0, far = 0;
+  if (!drawn) {
+    m = find_moves(chip);
+    far = find_boxes(chip, &before);
+  }
   w->cutter.outline = outline_new(chip->layout, chip->top, from, n, most,
                                   chip->grid * MAX(m, before), error);
   free(from);
@@ -224,19 +232,21 @@ static int layout_begin(maker *w, const eda_chip *chip, opc_error *error) {
   return OPC_OK;
 }
 
-int hierarchy_make(const opc_context *context, const eda_chip *chip,
+int hierarchy_make(const opc_context *context, const eda_chip *chip, int drawn,
                    eda_layout **out, opc_error *error) {
   maker w = {.cutter.chip = chip};
   size_t arrays = 0;
   w.known = g_hash_table_new_full(g_bytes_hash, g_bytes_equal,
                                   (GDestroyNotify)g_bytes_unref, NULL);
-  int code = layout_begin(&w, chip, error);
+  int code = layout_begin(&w, chip, drawn, error);
+  w.cutter.drawn = drawn ? w.from : NULL;
   if (!code) code = cut_all(context, &w, error);
   if (!code)
     code = arrays_place(w.out, w.top, w.cell, w.put, w.n_put, &arrays, error);
   g_hash_table_destroy(w.known);
   eda_layout_free((eda_layout *)w.cutter.outline);
   free(w.layer);
+  free(w.from);
   free(w.cell);
   free(w.put);
   *out = w.out;

@@ -124,13 +124,10 @@ static int window_simulate(const eda_mask *mask, const size_t *classes,
 static int window_layout(const eda_mask *mask, int drawn,
                          const eda_layout **out, opc_error *error) {
   const classes_source *s = mask->data;
-  eda_chip chip = *mask->chip;
   eda_layout **kept = &mask->chip->hierarchy[drawn];
-  if (drawn) chip.mask = eda_alloc(chip.masks, sizeof *chip.mask);
-  if (drawn) chip.parts = chip.boxes = 0;
   int code =
-      *kept ? OPC_OK : hierarchy_make(s->host->context, &chip, kept, error);
-  if (drawn) free(chip.mask);
+      *kept ? OPC_OK
+            : hierarchy_make(s->host->context, mask->chip, drawn, kept, error);
   *out = *kept;
   return code;
 }

@@ -8,9 +8,9 @@
    their environment, nm; larger than any mask rule. */
 #define CLASSES_GAP 500.0
 
-/* Make the mask of a chip as a layout of cells and arrays; see
-   eda_mask_access. (hierarchy.c) */
-int hierarchy_make(const opc_context *context, const eda_chip *chip,
+/* Make the mask of a chip, or its drawn shapes, as a layout of cells and
+   arrays; see eda_mask_access. (hierarchy.c) */
+int hierarchy_make(const opc_context *context, const eda_chip *chip, int drawn,
                    eda_layout **out, opc_error *error);
 
 /* Allocate figures and flags of a flat mask; copy those of a class to gate i.
