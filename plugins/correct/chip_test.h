@@ -13,7 +13,7 @@
 
 #include <correct/start.h>
 #include "core/plugin/host.h"
-#include "tools/devel/testing.h"
+#include "tests/step.h"
 
 /* ---- drawings ---- */
 
@@ -98,19 +98,6 @@ static opc_module *make_sample(const char *id, const char *more) {
   opc_module *m = try_to_make(id, more, &error);
   if (!m) g_error("%s: %s: %s", id, error.parameter, error.message);
   return m;
-}
-
-static void *run_step(opc_module *m) {
-  opc_error error = {0};
-  void *outputs[1];
-  opc_test_forget();
-  if (opc_test_run(m, outputs, &error)) g_error("%s", error.message);
-  return outputs[0];
-}
-
-static void release_sample(opc_module *m, void *output) {
-  opc_test_release(m, &output);
-  opc_test_module_free(m);
 }
 
 #define NEWTON ", synthesizer: { use: synthesizer.newton, target: plain }"

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "tests/data.h"
-#include "tools/devel/testing.h"
+#include "tests/step.h"
 
 #define MODELS(litho)                                               \
   "litho: { " litho                                                 \
@@ -27,19 +27,6 @@ static opc_module *make_sample(const char *id, const char *more) {
   opc_module *m = opc_test_module(id, map, &error);
   if (!m) g_error("%s: %s", id, error.message);
   return m;
-}
-
-static void *run_step(opc_module *m) {
-  opc_error error = {0};
-  void *outputs[1];
-  opc_test_forget();
-  if (opc_test_run(m, outputs, &error)) g_error("%s", error.message);
-  return outputs[0];
-}
-
-static void release_sample(opc_module *m, void *output) {
-  opc_test_release(m, &output);
-  opc_test_module_free(m);
 }
 
 /* Return a layout of `unit` nm with shifted and scaled shapes as its layers. */

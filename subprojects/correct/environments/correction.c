@@ -56,11 +56,6 @@ static eda_mask *fixed_masks(const correction *m, const sheet *s,
 
 /* ---- results of the loop ---- */
 
-static double gate_deviation(const loop *l, size_t i) {
-  if (eda_print_failed(l->measured.flags[i])) return INFINITY;
-  return fabs(eda_deviation(l->measured.performance.ion[i], l->design.ion[i]));
-}
-
 /* Lists of added shapes and cut-outs for each transistor, in the coordinates of
    the transistor. */
 typedef struct owned {
@@ -154,7 +149,8 @@ static void put_one(const loop *l, const owned *o, uint32_t place, size_t i,
                .jog = b->jog[i],
                .end = {b->end[2 * i], b->end[2 * i + 1]}},
       .before = {eda_figures_of(&l->before, i), l->guard.flags[i], 0},
-      .off = gate_deviation(l, i)};
+      .off = ion_deviation(l->measured.flags[i], l->measured.performance.ion[i],
+                           l->design.ion[i])};
   while (one.mask.parts < EDA_PARTS &&
          part[one.mask.parts].from < part[one.mask.parts].to)
     one.mask.parts++;

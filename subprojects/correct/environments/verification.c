@@ -196,8 +196,7 @@ static int verify_sheet(void *data, size_t i, opc_bytes *out,
 }
 
 double print_deviation(const class_result *p) {
-  if (eda_print_failed(p->flags)) return INFINITY;
-  return fabs(eda_deviation(p->after.ion, p->design.ion));
+  return ion_deviation(p->flags, p->after.ion, p->design.ion);
 }
 
 int work_is_fast(const work *w) {

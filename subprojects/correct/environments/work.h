@@ -4,9 +4,11 @@
 #pragma once
 
 #include <eda/chip.h>
+#include <eda/print.h>
 #include <eda/regulator.h>
 #include <eda/rules.h>
 #include <glib.h>
+#include <math.h>
 #include <opcflow/pieces.h>
 #include <opcflow/step.h>
 
@@ -126,8 +128,11 @@ void prints_find(work *work);
 /* Simulate one transistor of each new masked environment. Fill work.print and
    the `print` of each transistor. */
 int verify_all(work *work, opc_error *error);
-/* Return the |Ion deviation| of a print, %; INFINITY if the transistor does not
-   print. */
+/* Return the |Ion deviation| of a transistor, or of a print, %; INFINITY if the
+   transistor does not print. `flags`: EDA_PRINT_*. */
+static inline double ion_deviation(uint32_t flags, double ion, double drawn) {
+  return eda_print_failed(flags) ? INFINITY : fabs(eda_deviation(ion, drawn));
+}
 double print_deviation(const class_result *print);
 /* Return the |Ion deviation|, %, below which a new mask replaces the mask of a
    transistor; NAN: the mask is not refined. A print is refined if it violates a
