@@ -26,8 +26,9 @@ typedef struct window {
   eda_box core;
   territory *near; /* territories that touch the core or begin in it */
   size_t n_near;
-  eda_index *index; /* index of `near` */
-  masked *mask;     /* [layers] */
+  eda_index *index;   /* index of `near` */
+  masked *mask;       /* [layers] */
+  GHashTable *unions; /* of write_union */
   clips *out;
   opc_error *error;
 } window;
@@ -168,6 +169,11 @@ static int find_own(const window *w, const territory *t, eda_box_list *out) {
   return code;
 }
 
+/* Any total order of boxes. */
+static int by_corner(const void *a, const void *b) {
+  return memcmp(a, b, sizeof(eda_box));
+}
+
 static int write_polygon(void *data, const eda_point *points, size_t n,
                          opc_error *error) {
   GByteArray *to = data;
@@ -178,8 +184,37 @@ static int write_polygon(void *data, const eda_point *points, size_t n,
   return OPC_OK;
 }
 
-/* Write the part of a layer that is in a territory, terminated by a polygon
-   without points. */
+/* Append the union of boxes as polygons, terminated by a polygon without
+   points. Most territories of an array have equal boxes, whose union is
+   computed once for each window: `unions` maps the sorted boxes to the
+   polygons. */
+static int write_union(const window *w, eda_box_list *parts, GByteArray *to) {
+  if (parts->count)
+    qsort(parts->box, parts->count, sizeof *parts->box, by_corner);
+  GBytes *key = g_bytes_new(parts->box, parts->count * sizeof *parts->box),
+         *known;
+  int code = OPC_OK;
+  known = g_hash_table_lookup(w->unions, key);
+  if (!known) {
+    eda_shapes merged;
+    GByteArray *own = g_byte_array_new();
+    const eda_polygon_taker take = {write_polygon, own, SIZE_MAX};
+    code = boxes_combine(EDA_OR, parts->box, parts->count, NULL, 0, &merged,
+                         w->error);
+    if (!code) code = eda_polygons_without_holes(&merged, &take, w->error);
+    (void)write_polygon(own, NULL, 0, w->error);
+    eda_shapes_clear(&merged);
+    known = g_byte_array_free_to_bytes(own);
+    g_hash_table_insert(w->unions, g_bytes_ref(key), known);
+  }
+  gsize size;
+  const guint8 *bytes = g_bytes_get_data(known, &size);
+  g_byte_array_append(to, bytes, (guint)size);
+  g_bytes_unref(key);
+  return code;
+}
+
+/* Write the part of a layer that is in a territory. */
 static int write_layer(const window *w, const territory *t,
                        const eda_box_list *own, size_t layer, GByteArray *to) {
   const masked *m = &w->mask[layer];
@@ -191,13 +226,7 @@ static int write_layer(const window *w, const territory *t,
       if (has_area(b)) eda_box_list_add(&parts, territory_own(t, b));
     }
   }
-  eda_shapes merged;
-  const eda_polygon_taker take = {write_polygon, to, SIZE_MAX};
-  int code =
-      boxes_combine(EDA_OR, parts.box, parts.count, NULL, 0, &merged, w->error);
-  if (!code) code = eda_polygons_without_holes(&merged, &take, w->error);
-  (void)write_polygon(to, NULL, 0, w->error);
-  eda_shapes_clear(&merged);
+  int code = write_union(w, &parts, to);
   free(parts.box);
   return code;
 }
@@ -222,6 +251,9 @@ static int cut_one(window *w, const territory *t, GHashTable *known) {
 }
 
 static int cut_territories(window *w) {
+  w->unions = g_hash_table_new_full(g_bytes_hash, g_bytes_equal,
+                                    (GDestroyNotify)g_bytes_unref,
+                                    (GDestroyNotify)g_bytes_unref);
   GHashTable *known = g_hash_table_new_full(
       g_bytes_hash, g_bytes_equal, (GDestroyNotify)g_bytes_unref, NULL);
   w->out->clip = eda_alloc(w->n_near, sizeof *w->out->clip);
@@ -229,6 +261,7 @@ static int cut_territories(window *w) {
   for (size_t i = 0; i < w->n_near && !code; i++)
     if (territory_begins(w, &w->near[i])) code = cut_one(w, &w->near[i], known);
   g_hash_table_destroy(known);
+  g_hash_table_destroy(w->unions);
   return code;
 }
 
