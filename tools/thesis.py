@@ -15,6 +15,7 @@ SMALL = ("c17", "c432", "c499", "c1355", "c1908")
 LARGE = ("c2670", "c3540", "c5315", "c6288", "c7552")
 CIRCUITS = SMALL + LARGE
 DELAYS = ("c17",)
+SEARCHES = ("c17", "c432")
 METHODS = ("epe", "dpb", "ic")
 LABEL = {"epe": "EPE-OPC", "pb": "PB-OPC", "dpb": "DPB-OPC", "ic": "IC-OPC"}
 
@@ -103,7 +104,7 @@ def search_table(runs, number):
 def epe_search_table(runs, number):
     """Tables 3.4 and 5.3: the search for the best EPE-OPC against one correction by DPB- and IC-OPC."""
     rows = []
-    for circuit in SMALL:
+    for circuit in SEARCHES:
         folder, other = runs[circuit], runs[circuit + "-dpb"]
         best = {r["of the best setting"]: r["value"] for r in rows_of(folder, "best.csv")}
         times = seconds(folder, "best"), seconds(other, "mask"), seconds(runs[circuit + "-ic"], "mask")
@@ -263,7 +264,7 @@ def chapter2_table(runs, number):
             rows.append([case, LABEL[m]] + [number(max(column(gates, name), key=abs), "2")
                                             for name in ("ion_after", "ioff_after")] + [
                 number(worst.get(q), "2") for q in ("rise time", "fall time", "delay, rising", "delay, falling")] + [
-                number(numeric(run.get("circuit." + side)), "2") for side in ("snm_left_worst", "snm_right_worst")] + [
+                number(next(iter(column([run], "circuit." + side)), None), "2") for side in ("snm_left_worst", "snm_right_worst")] + [
                 number(cost[layer], "n") for layer in ("poly", "active")] + [number(seconds(folder, "mask"), "2")])
     return ["layout", "method", "Ion, %", "Ioff, %", "tr, %", "tf, %", "tpLH, %", "tpHL, %", "SNM left, %",
             "SNM right, %", "poly, bytes", "active, bytes", "processor, s"], rows
@@ -290,10 +291,6 @@ def performance_table(runs, number):
             rows.append([case, name, number(before[quantity], "2")] + [
                 number(performance(f).get(quantity), "2") for f in folders.values()])
     return ["circuit", "figure", "uncorrected"] + [name for _, name in CIRCUIT_METHODS], rows
-
-
-def numeric(text):
-    return float(text) if text else None
 
 
 def butterfly_table(runs, number):
@@ -402,7 +399,7 @@ def cells_picture(runs):
     series = [(name.split(",")[0], [b - a for a, b in pairs_of(runs, key)]) for name, key in CELL_FIGURES[:3]]
     values = [v for _, one in series for v in one]
     plot = plots.Plot("cell", "DPB-OPC - EPE-OPC, points", (0, len(series[0][1]) + 1),
-                      (min(values) - 0.2, max(values) + 0.4))
+                      (min(values) - 0.2, max(values) + 0.3 * (max(values) - min(values))))
     for name, one in series:
         plot.points(name, [(k + 1, v) for k, v in enumerate(one)])
     return plot.svg()
@@ -538,7 +535,7 @@ def questions(flow, circuit_cases, path_options):
         dict(name="normalized", title="Bytes and times over EPE-OPC", uses="circuits", make=normalized_table,
              runs=circuits, show=0),
         dict(name="epe-search", title="The best EPE-OPC of circuits", make=epe_search_table, show=3, runs=[
-            run for c in SMALL for run in (
+            run for c in SEARCHES for run in (
                 (c, flow("flows/search.yaml", "best.set.layout.file=$DATA/iscas85/%s/%s.gds" % (c, c),
                          "best.set.layout.scale=1.3")),
                 *((c + "-" + m, circuit(c, "flows/%s.yaml" % m)) for m in ("dpb", "ic")))]),
@@ -574,7 +571,8 @@ def questions(flow, circuit_cases, path_options):
         dict(name="library-cells", title="All cells by EPE- and DPB-OPC", make=cells_table,
              runs=[("combinational", flow("flows/chapter3.yaml", cells)),
                    ("with state", flow("flows/chapter3.yaml", states, variant="masks"))],
-             pictures=[("transients.svg", transients_picture), ("cells.svg", cells_picture)]),
+             pictures=[("transients.svg", transients_picture), ("cells.svg", cells_picture),
+                       ("cell-ratios.svg", cell_ratios_picture)]),
         dict(name="library-dpb", title="Masks from cells by DPB-OPC", make=library_table, show=1, runs=[
             (c, flow("flows/library-compare.yaml", "compare.methods=[dpb_flat, dpb_cells, dpb_placed, dpb_2, dpb_0]",
                      "compare.cases=[{ name: %s, layout.file: $DATA/iscas85/%s/%s.gds, layout.scale: 1.3,"
