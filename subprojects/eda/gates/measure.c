@@ -70,18 +70,25 @@ static int slices_cut(const slices *s, size_t k, eda_gate *gate,
   return OPC_OK;
 }
 
-/* Extract the performance of out->count gates from gate `first` on. `flags`:
-   flags of these gates as in eda_check_performance. */
-static int slices_extract(const slices *s, const eda_gates *gates, size_t first,
-                          const uint32_t *flags, eda_performance *out,
-                          opc_error *error) {
-  eda_slices in = {.count = out->count,
+/* Return the slices of `count` gates from gate `first` on. */
+static eda_slices slices_of(const slices *s, const eda_gates *gates,
+                            size_t first, size_t count) {
+  eda_slices in = {.count = count,
                    .slices = s->n,
                    .type = gates->type + first,
                    .width = s->width,
                    .length = s->length,
                    .edge = s->edge};
   if (gates->flavour) in.flavour = (const char *const *)gates->flavour + first;
+  return in;
+}
+
+/* Extract the performance of out->count gates from gate `first` on. `flags`:
+   flags of these gates as in eda_check_performance. */
+static int slices_extract(const slices *s, const eda_gates *gates, size_t first,
+                          const uint32_t *flags, eda_performance *out,
+                          opc_error *error) {
+  eda_slices in = slices_of(s, gates, first, out->count);
   int code = eda_call_extract(s->context, s->extractor, &in, out, error);
   if (!code) code = eda_check_performance(gates, first, flags, out, error);
   return eda_blame(error, code, slot);
@@ -98,6 +105,8 @@ typedef struct measure_task {
   eda_measurement
       *out; /* NULL for drawn gates, which have only a performance */
   eda_performance *performance;
+  eda_slices_visit *visit; /* NULL: none */
+  void *data;              /* of `visit` */
 } measure_task;
 
 /* Return a view of the performance of n gates from gate `first` on. */
@@ -154,6 +163,10 @@ static int measure_block(void *data, size_t block, opc_error *error) {
   int code = slices_init(&s, j->context, j->extractor, n, error);
   for (size_t k = 0; k < n && !code; k++)
     code = measure_one(j, first + k, &s, k, error);
+  if (!code && j->visit) {
+    eda_slices in = slices_of(&s, j->gates, first, n);
+    code = j->visit(j->data, first, &in, error);
+  }
   if (!code) {
     eda_performance p = performance_part(j->performance, first, n);
     uint32_t *flags = j->print ? j->out->flags + first : NULL;
@@ -172,7 +185,16 @@ static int gates_measure(measure_task *j, opc_error *error) {
 int eda_measure(const opc_context *context, const eda_gates *gates,
                 const eda_field *print, const opc_module *extractor,
                 eda_measurement *out, opc_error *error) {
-  measure_task j = {context, gates, print, extractor, out, &out->performance};
+  return eda_measure_slices(context, gates, print, extractor, NULL, NULL, out,
+                            error);
+}
+
+int eda_measure_slices(const opc_context *context, const eda_gates *gates,
+                       const eda_field *print, const opc_module *extractor,
+                       eda_slices_visit *visit, void *data,
+                       eda_measurement *out, opc_error *error) {
+  measure_task j = {context,           gates, print, extractor, out,
+                    &out->performance, visit, data};
   return gates_measure(&j, error);
 }
 

@@ -148,6 +148,20 @@ OPC_EXPORT int eda_measure(const opc_context *context, const eda_gates *gates,
                            const eda_field *print, const opc_module *extractor,
                            eda_measurement *out, opc_error *error);
 
+/* Receive the slices of in->count gates from gate `first` on, before the
+   extraction. [any] */
+typedef int eda_slices_visit(void *data, size_t first, const eda_slices *in,
+                             opc_error *error);
+
+/* Measure as eda_measure, and pass the slices of all gates, in blocks, to
+   `visit`. [main] */
+OPC_EXPORT int eda_measure_slices(const opc_context *context,
+                                  const eda_gates *gates,
+                                  const eda_field *print,
+                                  const opc_module *extractor,
+                                  eda_slices_visit *visit, void *data,
+                                  eda_measurement *out, opc_error *error);
+
 /* Compute the performance of the gates as drawn. [main] */
 OPC_EXPORT int eda_measure_drawn(const opc_context *context,
                                  const eda_gates *gates,

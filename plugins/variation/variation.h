@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Internal interface of the step `variation`: statistics of currents over the
+   variation of dose, focus, mask size, overlay and line edges. */
+#pragma once
+
+#include <correct/settings.h>
+#include <eda/print.h>
+#include <opcflow/step.h>
+
+/* ---- sources of variation ---- */
+
+/* Variables. Dose (%), focus (nm) and displacement of all mask edges (nm) of
+   poly and active; displacement of active against poly (nm). */
+enum {
+  POLY_DOSE,
+  POLY_FOCUS,
+  POLY_MASK,
+  ACTIVE_DOSE,
+  ACTIVE_FOCUS,
+  ACTIVE_MASK,
+  OVERLAY_X,
+  OVERLAY_Y,
+  VARIABLES
+};
+
+/* Sources: the variables, with both overlays in one, and the line edges. */
+enum { SOURCE_OVERLAY = OVERLAY_X, SOURCE_EDGES, SOURCES };
+extern const char *const variation_sources[SOURCES];
+
+/* Range of all variables, in standard deviations. Samples beyond it (6e-5 of a
+   normal distribution) are set to its end; the surrogate is fitted within. */
+static const double variation_range = 4;
+
+/* ---- surrogate.c ---- */
+
+/* Figures of a transistor, relative to drawn: equivalent lengths of Ion and
+   Ioff, nm, ln W and ln area. The currents follow from the lengths and W by
+   curves (below): they are smooth functions of the variables, whereas Ioff is
+   not. */
+enum { LENGTH, LENGTH_OFF, WIDTH, AREA, FIGURES };
+
+/* A polynomial in the variables, each divided by the ends of its range. Term t
+   is the product over v of variable v to the power[t][v]. */
+typedef struct surrogate {
+  size_t terms, gates;
+  uint8_t (*power)[VARIABLES];
+  float *coefficient[FIGURES]; /* [term * gates + gate] */
+} surrogate;
+
+/* Set up the terms for the variables with used[v] != 0. The degree is 4 in the
+   variables of poly and in overlay, and 3 in those of active. Products of two
+   variables of different groups are terms, and of three of poly and overlay. */
+void surrogate_init(surrogate *s, const int used[VARIABLES], size_t gates);
+void surrogate_clear(surrogate *s);
+
+/* Write the values of all terms at a point; u: variables over the ends of their
+   range. */
+void surrogate_features(const surrogate *s, const double u[VARIABLES],
+                        double *out);
+
+/* Fit all figures by least squares (QR, GSL). `point`: [points][VARIABLES] as
+   `u`; `value`: [(point * FIGURES + figure) * gates + gate], NAN: the gate does
+   not print there. OPC_FAILED with fewer points than terms; the caller checks
+   the points of each gate. */
+int surrogate_fit(surrogate *s, const opc_context *context, size_t points,
+                  const double (*point)[VARIABLES], const float *value,
+                  opc_error *error);
+
+/* Return a figure of a gate from the values of the terms. */
+double surrogate_at(const surrogate *s, const double *features, int figure,
+                    size_t gate);
+
+/* ---- curves.c ---- */
+
+enum { ION, IOFF, CURRENTS };
+
+/* Currents of rectangular gates over length, on the lengths first + i * step,
+   i < count: ln of (current per W, over the drawn current per drawn W). Gates
+   with equal curves share one. */
+typedef struct curves {
+  double first, step;
+  size_t count, gates, kinds;
+  uint32_t *kind;         /* [gates] */
+  float *value[CURRENTS]; /* [kind * count + i] */
+} curves;
+
+/* Allocate curves with one for each gate, for lengths from `low` to `high`. */
+void curves_init(curves *c, size_t gates, double low, double high);
+void curves_clear(curves *c);
+
+/* Compute the curves of the gates `first` to first + in->count - 1 from their
+   slices: `extractor` extracts gates with all slices of one length. `drawn`:
+   currents, `width`: drawn W, of all gates. [any] */
+int curves_fill(curves *c, const opc_context *context,
+                const opc_module *extractor, size_t first, const eda_slices *in,
+                const eda_performance *drawn, const double *width,
+                opc_error *error);
+
+/* Replace equal curves by one. */
+void curves_share(curves *c);
+
+/* Return the value at a length, interpolated linearly; at the nearest end
+   beyond the ends. */
+double curves_at(const curves *c, size_t gate, int current, double length);
+
+/* ---- roughness.c ---- */
+
+/* Line-edge roughness: standard deviation of an edge (nm), correlation length
+   (nm) and Hurst exponent h. The covariance of an edge at a distance r is
+   sigma^2 exp(-(r / length)^(2 h)); the two edges of a gate are independent. */
+typedef struct roughness {
+  double sigma, length, hurst;
+} roughness;
+
+/* Effect of roughness on ln Ion and ln Ioff of a gate: shift of the median,
+   standard deviations, and their correlation. */
+typedef struct roughness_effect {
+  float shift[CURRENTS], sigma[CURRENTS], correlation;
+} roughness_effect;
+
+/* Moments of the currents of a point of a gate, for each length of a curve:
+   coefficients of Hermite polynomials of the standardised change of length. */
+enum { ORDER = 6 };
+typedef struct roughness_moments {
+  const curves *curves;
+  double (*of)[CURRENTS][ORDER + 1]; /* [kind * count + i] */
+} roughness_moments;
+
+void roughness_moments_init(roughness_moments *m, const roughness *r,
+                            const curves *of, const opc_context *context);
+void roughness_moments_clear(roughness_moments *m);
+
+/* Number of lengths, relative to the nominal length of a gate, for which the
+   effect is known, and the distance between them, nm. */
+enum { KNOTS = 25, KNOT_ZERO = 16 };
+static const double knot_step = 1;
+
+/* Compute the effects for a gate with the given slices, all of which change by
+   (k - KNOT_ZERO) * knot_step in length, k < KNOTS. [any] */
+void roughness_of_gate(const roughness *r, const roughness_moments *m,
+                       size_t gate, size_t slices, const double *width,
+                       const double *length, roughness_effect out[KNOTS]);
+
+/* ---- normals.c ---- */
+
+/* Return number `k` of a stream of standard normal numbers of a chip. All
+   numbers are functions of their indices, so that any order and number of
+   threads produces the same numbers. Method: Box and Muller, Ann. Math. Stat.
+   29, 610 (1958), on a hash of the indices (eda/random.h). */
+double normal_at(uint64_t seed, uint32_t stream, uint64_t chip, uint32_t k);
+
+enum { LANES = 16 };
+
+/* Write pairs of standard normal numbers for LANES gates from `first` on, of a
+   chip with the key normal_key. */
+uint64_t normal_key(uint64_t seed, uint32_t stream, uint64_t chip);
+void normal_pairs(uint64_t key, uint32_t first, float *a, float *b);
+
+/* ---- chips.c ---- */
+
+/* The model of a circuit from which chips are sampled. */
+typedef struct circuit {
+  const opc_context *context;
+  const surrogate *surrogate;
+  const curves *curves;
+  const roughness_effect *rough; /* [gate * KNOTS + knot] */
+  const double *drawn_length;    /* nm, [gates] */
+  const double *nominal;         /* equivalent length of Ion without variation,
+                                    nm, [gates] */
+  size_t gates;
+  const uint8_t *type;
+  const uint32_t *neighbour; /* [gates], the nearest other gate */
+  const double *ioff;        /* drawn, [gates] */
+  double global[VARIABLES];  /* standard deviations over `range` */
+  double field[VARIABLES];   /* of the part that varies in the field */
+  size_t tiles;              /* at least 1 */
+  const uint32_t *tile_of;   /* [gates], part of the layout that is
+                                small against the correlation length of
+                                the field; NULL: one tile */
+  const double *mix;         /* [tiles * tiles], lower triangle: the
+                                Cholesky factor of the correlation */
+  uint64_t seed;
+} circuit;
+
+/* Figures of one chip: total Ioff over drawn, mean Ion of the n- and of the
+   p-transistors over drawn, and smallest and largest Ion over drawn. */
+enum { CHIP_LEAKAGE, CHIP_ION_N, CHIP_ION_P, CHIP_LEAST, CHIP_MOST, CHIP };
+
+/* Sums over chips, for the moments of ln Ion and ln Ioff of a gate. */
+typedef struct moments {
+  double sum[2], square[2], cube[2], product; /* [current]; Ion times Ioff */
+  double neighbour;                           /* Ion times that of another */
+} moments;
+
+/* Write the variables of a chip at a tile, over the ends of their ranges. */
+void circuit_variables(const circuit *c, const uint32_t stream[SOURCES],
+                       uint64_t chip, size_t tile, double u[VARIABLES]);
+
+/* Sample chips `first` to first + count - 1. stream[s]: number of the stream of
+   source s. `chip`: [CHIP][count]. `moments`: [gates], NULL: none. */
+int circuit_sample(const circuit *c, const uint32_t stream[SOURCES],
+                   uint64_t first, size_t count, float *const chip[CHIP],
+                   moments *moments, opc_error *error);
+
+/* ---- statistics.c ---- */
+
+/* Clopper-Pearson interval of a probability, both ends at 2.5 %. */
+typedef struct interval {
+  double value, low, high;
+} interval;
+interval interval_of(size_t successes, size_t n);
+
+/* Mean, standard deviation, skewness, and quantiles of n values; sorts them. */
+enum { QUANTILES = 7 };
+extern const double statistics_at[QUANTILES];
+typedef struct statistics {
+  double mean, sigma, skewness, quantile[QUANTILES];
+} statistics;
+statistics statistics_of(float *value, size_t n);
+
+/* Share of the variance of a figure by a source: alone (first order) and with
+   all interactions (total), with the standard error of each. */
+typedef struct share {
+  double first, first_error, total, total_error;
+} share;
+
+/* Compute shares from values f of n chips: with the streams A and B for all
+   sources, and with the stream of one source from B. Saltelli et al., Comput.
+   Phys. Commun. 181, 259 (2010), table 2 (b), (f). */
+share share_of(const double *a, const double *b, const double *ab, size_t n);
+
+/* ---- the step ---- */
+
+/* Root mean square and largest error over points and gates: Ion in %, Ioff in
+   decades, L in nm, W and area in %. */
+enum { ERROR_ION, ERROR_IOFF, ERROR_LENGTH, ERROR_WIDTH, ERROR_AREA, ERRORS };
+typedef struct surrogate_error {
+  double rms[ERRORS], max[ERRORS];
+} surrogate_error;
+
+/* A field, simulated at a focus and a mask displacement. */
+typedef struct image {
+  double focus, mask;
+  eda_field field;
+} image;
+
+typedef struct variation {
+  const opc_host *host;
+  const eda_mask *mask; /* parameters */
+  correct_settings with;
+  double dose, focus, mask_edge, overlay; /* sigma */
+  double field_dose, field_focus, field_overlay, field_length;
+  roughness rough;
+  double ion_error, ioff_error, length_error;
+  double leakage_limit, speed_limit, ion_limit;
+  int64_t chips, seed;
+  const char *file;
+  const eda_gates *gates;
+  eda_performance design;
+  double sigma[VARIABLES]; /* total standard deviation, in its unit */
+  surrogate surrogate;
+  curves curves;
+  surrogate_error error; /* on points that were left out */
+  size_t points, left_out, images[2];
+  size_t open, failed, outside; /* measurements of transistors */
+  roughness_effect *effect;     /* [gate * KNOTS + knot] */
+  double *nominal;              /* as in circuit */
+  circuit circuit;
+  uint32_t *tile_of, *neighbour;
+  double *mix;
+  float *chip[CHIP];
+  moments *moments; /* of the first moment_chips chips */
+  size_t moment_chips;
+} variation;
+
+/* Numbers of the streams of the sources: a chip has the same numbers in every
+   run and for every mask, so that masks are compared on equal chips. */
+extern const uint32_t variation_stream[SOURCES];
+
+/* ---- conditions.c ---- */
+
+/* Simulate images, fit the surrogate, estimate its error on other images, and
+   refine until the error is below the limits. Set surrogate, curves, error,
+   effect and nominal. */
+int variation_respond(variation *v, opc_error *error);
+
+/* ---- results.c, histograms.c ---- */
+
+int variation_report(variation *v, opc_error *error);
+int variation_draw(const variation *v, opc_error *error);

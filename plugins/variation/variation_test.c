@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Tests the surrogate of the step against simulations at random conditions,
+   with displaced mask shapes in place of displaced images, and the tables of
+   the step. OPCFLOW_VARIATION_GDS: a circuit in the layers of NanGate 45 nm,
+   and OPCFLOW_VARIATION_CONDITIONS the number of conditions, to run the
+   comparison on a circuit. */
+#include <eda/check.h>
+#include <eda/memory.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tools/devel/testing.h"
+#include "variation.h"
+
+#define MODELS                                                              \
+  "litho: { use: litho.hopkins, wavelength: 193 nm, na: 0.75, sigma: 0.75 " \
+  "}, resist: { use: resist.threshold, anchor: { line: 65 nm, pitch: 250 "  \
+  "nm } }, extractor: { use: extractor.plain, devices: '%s' }"
+
+static opc_module *module_make(const char *id, const char *format, ...) {
+  g_autofree char *devices = g_build_filename(
+      g_getenv("OPCFLOW_SOURCE"), "data", "devices", "ptm65.yaml", NULL);
+  g_autofree char *models = g_strdup_printf(MODELS, devices);
+  opc_error error = {0};
+  va_list arguments;
+  va_start(arguments, format);
+  g_autofree char *more = g_strdup_vprintf(format, arguments);
+  va_end(arguments);
+  int plain = !strcmp(id, "read.gds") || !strcmp(id, "segment.transistors");
+  g_autofree char *map =
+      plain ? g_strdup_printf("{ %s }", more)
+            : g_strdup_printf("{ %s, fine: off, %s }", models, more);
+  opc_module *m = opc_test_module(id, map, &error);
+  if (!m) g_error("%s: %s", id, error.message);
+  return m;
+}
+
+static void *run_step(opc_module *m, const char *input, const void *object) {
+  void *outputs[1] = {NULL};
+  opc_error error = {0};
+  if (input) opc_test_input(m, input, (void *)object);
+  if (opc_test_run(m, outputs, &error)) g_error("%s", error.message);
+  return outputs[0];
+}
+
+/* ---- simulation of a condition ---- */
+
+/* Factor of the grid on which masks are displaced: 0.01 nm for a grid of 1. */
+enum { FACTOR = 100, LAYERS = 2 };
+
+/* Simulate and measure at displaced masks, z in the units of the variables. */
+static void simulate(const variation *v, const double z[VARIABLES],
+                     eda_measurement *out) {
+  const eda_gates *g = v->gates;
+  eda_printer p;
+  opc_error error = {0};
+  eda_field print[LAYERS];
+  eda_printer_init(&p, v->host->context, g, v->with.litho, v->with.resist,
+                   v->with.margin);
+  g_assert_false(eda_printer_prepare(&p, &error));
+  p.grid /= FACTOR;
+  for (int k = 0; k < LAYERS; k++) {
+    const double *own = z + (k ? ACTIVE_DOSE : POLY_DOSE);
+    eda_shapes shapes, moved;
+    eda_spectrum spectrum;
+    g_assert_false(
+        eda_boolean(EDA_OR, &v->mask->shapes[k], NULL, &shapes, &error));
+    for (size_t i = 0; i < shapes.start[shapes.count]; i++) {
+      eda_point *q = &shapes.points[i];
+      q->x = q->x * FACTOR + (k ? (int32_t)lround(z[OVERLAY_X] / p.grid) : 0);
+      q->y = q->y * FACTOR + (k ? (int32_t)lround(z[OVERLAY_Y] / p.grid) : 0);
+    }
+    g_assert_false(eda_shapes_grow(&shapes, (int32_t)lround(own[2] / p.grid),
+                                   &moved, &error));
+    g_assert_false(eda_printer_spectrum(&p, &moved, &spectrum, &error));
+    eda_field light;
+    if (p.litho.functions.image_at(&p.litho, k, &spectrum, own[1], &light,
+                                   &error))
+      g_error("%s", error.message);
+    print[k] = eda_field_scaled(&light, 1 + own[0] / 100);
+    g_assert_false(eda_printer_develop(&p, k, &print[k], &error));
+    eda_field_clear(&light);
+    eda_spectrum_clear(&spectrum);
+    eda_shapes_clear(&moved);
+    eda_shapes_clear(&shapes);
+  }
+  g_assert_false(
+      eda_measure(v->host->context, g, print, v->with.extractor, out, &error));
+  for (int k = 0; k < LAYERS; k++) eda_field_clear(&print[k]);
+  eda_printer_clear(&p);
+}
+
+/* Compare the surrogate with simulations at n normally distributed
+   conditions. */
+static void compare(const variation *v, uint32_t n) {
+  const surrogate *s = &v->surrogate;
+  double *features = eda_alloc(s->terms, sizeof *features);
+  double rms[3] = {0}, spread = 0, count = (double)n * (double)v->gates->count;
+  eda_measurement m;
+  eda_measurement_init(&m, v->gates->count);
+  for (uint32_t k = 0; k < n; k++) {
+    double z[VARIABLES], u[VARIABLES];
+    for (uint32_t i = 0; i < VARIABLES; i++) {
+      z[i] = v->sigma[i] * normal_at(99, 50, k, i);
+      u[i] = z[i] / (variation_range * v->sigma[i]);
+    }
+    simulate(v, z, &m);
+    surrogate_features(s, u, features);
+    for (size_t i = 0; i < v->gates->count; i++) {
+      double l = surrogate_at(s, features, LENGTH, i);
+      double off = surrogate_at(s, features, LENGTH_OFF, i);
+      double w = surrogate_at(s, features, WIDTH, i);
+      double drawn = v->gates->length[i];
+      double ion = curves_at(&v->curves, i, ION, drawn + l) + w;
+      double ioff = curves_at(&v->curves, i, IOFF, drawn + off) + w;
+      double want = log(m.performance.ion[i] / v->design.ion[i]);
+      rms[0] += pow(100 * (ion - want), 2);
+      spread += pow(100 * want, 2);
+      want = log(m.performance.ioff[i] / v->design.ioff[i]);
+      rms[1] += pow(M_LOG10E * (ioff - want), 2);
+      rms[2] += pow(drawn + l - m.performance.leq_ion[i], 2);
+    }
+  }
+  for (int k = 0; k < 3; k++) rms[k] = sqrt(rms[k] / count);
+  g_test_message(
+      "%u conditions: rms of Ion %.4f %% (spread %.2f %%), log10 "
+      "Ioff %.5f, L %.4f nm",
+      n, rms[0], sqrt(spread / count), rms[1], rms[2]);
+  g_assert_cmpfloat(sqrt(spread / count), >, 2);
+  g_assert_cmpfloat(rms[0], <, 0.3);
+  g_assert_cmpfloat(rms[1], <, 0.02);
+  g_assert_cmpfloat(rms[2], <, 0.1);
+  eda_measurement_clear(&m);
+  free(features);
+}
+
+/* ---- the step ---- */
+
+/* Check relations between the tables. */
+static void check_tables(void) {
+  double sum = 0;
+  for (size_t i = 0; i < opc_test_rows("sources"); i++)
+    sum += opc_test_number("sources", "ion_n", i);
+  g_assert_cmpuint(opc_test_rows("sources"), ==, SOURCES);
+  g_assert_cmpfloat(sum, >, 0.8); /* the rest is from interactions */
+  g_assert_cmpfloat(sum, <, 1.1);
+  for (size_t i = 0; i < 4; i++) {
+    double low = opc_test_number("yield", "low", i);
+    double yield = opc_test_number("yield", "yield", i);
+    g_assert_true(low <= yield && yield <= opc_test_number("yield", "high", i));
+    g_assert_true(opc_test_number("yield", "yield", 3) <= yield);
+  }
+  double all = 0;
+  for (size_t i = 0; i < opc_test_rows("histograms"); i++)
+    all += opc_test_number("histograms", "chips", i);
+  g_assert_cmpfloat(all, >, 3 * 99.7); /* three figures; 0.1 % at each end */
+  g_assert_cmpfloat(opc_test_metric("images_poly"), <=, 40);
+  g_assert_cmpfloat(opc_test_metric("surrogate_ion"), <, 0.3);
+}
+
+static void run_sample(const char *more, const eda_mask *mask, uint32_t n) {
+  opc_test_forget();
+  opc_module *m = module_make("variation", "%s", more);
+  run_step(m, "mask", mask);
+  const variation *v = m->self;
+  if (n) compare(v, n);
+  opc_test_module_free(m);
+}
+
+static void test_sample(void) {
+  opc_module *loop =
+      module_make("correct",
+                  "synthesizer: { use: synthesizer.dpb }, max_iterations: 6, "
+                  "regulator: { use: regulator.drc, min_extension: 40 nm }");
+  eda_mask *mask = run_step(loop, "gates", eda_gates_sample());
+  run_sample("chips: 2000", mask, 40);
+  check_tables();
+  double yield = opc_test_metric("yield"), q = opc_test_metric("leakage_q99");
+  double sigma = opc_test_metric("ion_p_sigma");
+  /* The same chips in another run; a smaller variation without the dose. */
+  run_sample("chips: 2000", mask, 0);
+  g_assert_true(opc_test_metric("yield") == yield);
+  g_assert_true(opc_test_metric("leakage_q99") == q);
+  run_sample("chips: 2000, seed: 2, dose: 0 %, edges.sigma: 0 nm", mask, 0);
+  g_assert_cmpuint(opc_test_rows("sources"), ==, SOURCES - 3);
+  g_assert_cmpfloat(opc_test_metric("ion_p_sigma"), <, sigma);
+  void *outputs[1] = {mask};
+  opc_test_release(loop, outputs);
+  opc_test_module_free(loop);
+}
+
+/* A line end that barely covers the active leaks under overlay like no
+   polynomial: refused. */
+static void test_line_end(void) {
+  opc_module *loop = module_make(
+      "correct", "synthesizer: { use: synthesizer.dpb }, max_iterations: 0");
+  eda_mask *mask = run_step(loop, "gates", eda_gates_sample());
+  opc_module *m = module_make("variation", "chips: 2000, overlay: 8 nm");
+  void *none[1];
+  opc_error error = {0};
+  opc_test_input(m, "mask", mask);
+  g_assert_cmpint(opc_test_run(m, none, &error), ==, OPC_FAILED);
+  if (!strstr(error.message, "reduce the standard deviations"))
+    g_error("%s", error.message);
+  opc_test_module_free(m);
+  void *outputs[1] = {mask};
+  opc_test_release(loop, outputs);
+  opc_test_module_free(loop);
+}
+
+static void test_circuit(void) {
+  const char *file = g_getenv("OPCFLOW_VARIATION_GDS");
+  const char *count = g_getenv("OPCFLOW_VARIATION_CONDITIONS");
+  if (!file) {
+    g_test_skip("OPCFLOW_VARIATION_GDS is not set");
+    return;
+  }
+  opc_module *reader =
+      module_make("read.gds",
+                  "file: '%s', scale: 1.3, layers: { poly: 9/0, active: 1/0, "
+                  "contact: 10/0, nwell: 3/0 }",
+                  file);
+  void *layout = run_step(reader, NULL, NULL);
+  opc_module *segment = module_make("segment.transistors", "grid: 1 nm");
+  void *gates = run_step(segment, "layout", layout);
+  opc_module *loop =
+      module_make("correct",
+                  "synthesizer: { use: synthesizer.newton, target: balanced }, "
+                  "regulator: { use: regulator.drc, min_extension: 30 nm, "
+                  "want_extension: 60 nm }");
+  void *mask = run_step(loop, "gates", gates);
+  run_sample("chips: 2000, mask_error: 0.67 nm", mask,
+             (uint32_t)atoi(count ? count : "300"));
+  opc_test_release(loop, &mask);
+  opc_test_release(segment, &gates);
+  opc_test_release(reader, &layout);
+  opc_test_module_free(loop);
+  opc_test_module_free(segment);
+  opc_test_module_free(reader);
+}
+
+static void refuse(const char *more, const char *why) {
+  g_autofree char *devices = g_build_filename(
+      g_getenv("OPCFLOW_SOURCE"), "data", "devices", "ptm65.yaml", NULL);
+  g_autofree char *models = g_strdup_printf(MODELS, devices);
+  g_autofree char *map = g_strdup_printf("{ %s, %s }", models, more);
+  opc_error error = {0};
+  g_assert_null(opc_test_module("variation", map, &error));
+  if (!strstr(error.message, why))
+    g_error("'%s' does not say '%s'", error.message, why);
+}
+
+static void test_refused(void) {
+  refuse("dose: 30 %", "'dose' is 30 %, expected less than 25 %");
+  refuse("edges.hurst: 1.1", "edges.hurst");
+  refuse("chips: 10", "chips");
+  refuse("file: a.jpg", ".png, .svg or .pdf");
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/variation/sample", test_sample);
+  g_test_add_func("/variation/line-end", test_line_end);
+  g_test_add_func("/variation/circuit", test_circuit);
+  g_test_add_func("/variation/refused", test_refused);
+  return g_test_run();
+}
