@@ -313,6 +313,12 @@ static void test_statistics(void) {
   assert_near(interval_of(0, 50).low, 0, 0);
   assert_near(interval_of(0, 50).high, 1 - pow(0.025, 1 / 50.0), 1e-9);
   assert_near(interval_of(50, 50).high, 1, 0);
+  /* Close to the normal distribution for many chips. */
+  for (size_t k = 1000; k < 1000000; k += 11111) {
+    double p = (double)k / 1e6, sd = sqrt(p * (1 - p) / 1e6);
+    assert_near(interval_of(k, 1000000).low, p - 1.96 * sd, 0.1 * sd);
+    assert_near(interval_of(k, 1000000).high, p + 1.96 * sd, 0.1 * sd);
+  }
   float list[1001];
   for (int k = 0; k <= 1000; k++) list[k] = (float)((k * 10) % 1001);
   statistics s = statistics_of(list, 1001);

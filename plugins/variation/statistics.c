@@ -10,13 +10,27 @@
 const double statistics_at[QUANTILES] = {0.001, 0.01, 0.05, 0.5,
                                          0.95,  0.99, 0.999};
 
+/* Return x with the incomplete beta function I_x(a, b) = p, by bisection. The
+   inverse of GSL fails for large a and b. */
+static double beta_inverse(double p, double a, double b) {
+  double low = 0, high = 1;
+  for (int i = 0; i < 60; i++) {
+    double x = (low + high) / 2;
+    if (gsl_cdf_beta_P(x, a, b) < p)
+      low = x;
+    else
+      high = x;
+  }
+  return (low + high) / 2;
+}
+
 interval interval_of(size_t k, size_t n) {
   static const double tail = 0.025;
   double a = (double)k, b = (double)(n - k);
   interval i = {n ? a / (double)n : NAN, 0, 1};
   if (!n) return i;
-  if (k) i.low = gsl_cdf_beta_Pinv(tail, a, b + 1);
-  if (k < n) i.high = gsl_cdf_beta_Qinv(tail, a + 1, b);
+  if (k) i.low = beta_inverse(tail, a, b + 1);
+  if (k < n) i.high = beta_inverse(1 - tail, a + 1, b);
   return i;
 }
 

@@ -137,7 +137,7 @@ static int variation_sample(variation *v, opc_error *error) {
 static int variation_run(void *self, void **outputs, opc_error *error) {
   variation *v = self;
   (void)outputs;
-  if (eda_mask_need_flat(v->mask, "variation", error)) return error->code;
+  if (eda_mask_flat(v->given, &v->mask, error)) return error->code;
   v->gates = v->mask->gates;
   if (!v->gates->count)
     return opc_fail(error, OPC_INVALID, "mask",
@@ -152,11 +152,13 @@ static int variation_run(void *self, void **outputs, opc_error *error) {
 
 static int variation_forecast(void *self, opc_forecast *out, opc_error *error) {
   const variation *v = self;
-  if (eda_mask_need_flat(v->mask, "variation", error)) return error->code;
-  correct_forecast(&v->with, v->host, v->mask->gates, "50 simulations",
+  (void)error;
+  correct_forecast(&v->with, v->host, v->given->gates, "50 simulations",
                    "50 accurate simulations", out);
-  out->memory += (double)v->chips * CHIP * sizeof(float) +
-                 (double)v->mask->gates->count * 640 * FIGURES * sizeof(float);
+  out->memory +=
+      (double)v->chips * CHIP * sizeof(float) +
+      (double)v->given->gates->count * 640 * FIGURES * sizeof(float) +
+      eda_mask_flat_bytes(v->given);
   return OPC_OK;
 }
 
@@ -172,8 +174,9 @@ static int variation_forecast(void *self, opc_forecast *out, opc_error *error) {
                       .min = 0, .summary = SUMMARY)
 
 static const opc_parameter parameters[] = {
-    OPC_PARAMETER(variation, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "mask", .summary = "Mask of the circuit"),
+    OPC_PARAMETER_NAMED("mask", variation, given, .type = OPC_INPUT,
+                        .flags = OPC_REQUIRED, .choices = "mask",
+                        .summary = "Mask of the circuit"),
     CORRECT_PRINT_SLOTS(variation),
     CORRECT_MARGIN(variation),
     CORRECT_FINE(variation),

@@ -246,7 +246,7 @@ typedef struct image {
 
 typedef struct variation {
   const opc_host *host;
-  const eda_mask *mask; /* parameters */
+  const eda_mask *given; /* parameters */
   correct_settings with;
   double dose, focus, mask_edge, overlay; /* sigma */
   double field_dose, field_focus, field_overlay, field_length;
@@ -255,6 +255,7 @@ typedef struct variation {
   double leakage_limit, speed_limit, ion_limit;
   int64_t chips, seed;
   const char *file;
+  const eda_mask *mask; /* `given` with all transistors and shapes */
   const eda_gates *gates;
   eda_performance design;
   double sigma[VARIABLES]; /* total standard deviation, in its unit */
