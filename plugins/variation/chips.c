@@ -210,8 +210,8 @@ static void moments_add(moments *m, const lane_group *g, const float *log,
 /* ---- chips ---- */
 
 /* Numbers of a stream: of the chip, then of each tile. */
-static double draw(const circuit *c, const uint32_t stream[SOURCES],
-                   uint64_t chip, int v, size_t tile) {
+static double chip_draw(const circuit *c, const uint32_t stream[SOURCES],
+                        uint64_t chip, int v, size_t tile) {
   int source = v < OVERLAY_X ? v : SOURCE_OVERLAY;
   uint32_t k = (uint32_t)v;
   double z = 0, all = hypot(c->global[v], c->field[v]);
@@ -229,7 +229,8 @@ static double draw(const circuit *c, const uint32_t stream[SOURCES],
 
 void circuit_variables(const circuit *c, const uint32_t stream[SOURCES],
                        uint64_t chip, size_t tile, double u[VARIABLES]) {
-  for (int v = 0; v < VARIABLES; v++) u[v] = draw(c, stream, chip, v, tile);
+  for (int v = 0; v < VARIABLES; v++)
+    u[v] = chip_draw(c, stream, chip, v, tile);
 }
 
 static void chip_terms(const circuit *c, const uint32_t stream[SOURCES],

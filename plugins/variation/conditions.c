@@ -95,7 +95,7 @@ static int image_make(conditions *c, int layer, image *out, opc_error *error) {
   return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
 }
 
-static double clamp(double z) {
+static double z_clamp(double z) {
   return fmax(-variation_range, fmin(variation_range, z));
 }
 
@@ -111,7 +111,7 @@ static void images_place(const variation *v, int layer, size_t skip,
     gsl_qrng_get(q, u);
     double z[2];
     for (int k = 0; k < 2; k++)
-      z[k] = clamp(sigma * gsl_cdf_ugaussian_Pinv(u[k]));
+      z[k] = z_clamp(sigma * gsl_cdf_ugaussian_Pinv(u[k]));
     out[i] = (image){z[0] * v->sigma[focus],
                      z[1] * v->sigma[focus + 1],
                      {.coefficients = NULL}};
@@ -235,7 +235,7 @@ static int points_of_image(conditions *c, const image *poly, size_t first,
     const image *active = &c->active[first + (at + k) % count];
     for (int i = 0; i < VARIABLES; i++)
       z[i] = v->sigma[i] *
-             clamp(sigma * normal_at(0, stream, at + k, (uint32_t)i));
+             z_clamp(sigma * normal_at(0, stream, at + k, (uint32_t)i));
     z[POLY_FOCUS] = poly->focus;
     z[POLY_MASK] = poly->mask;
     z[ACTIVE_FOCUS] = active->focus;
@@ -395,7 +395,7 @@ static int error_is_small(const variation *v) {
          v->error.rms[ERROR_LENGTH] <= v->length_error;
 }
 
-static int respond(conditions *c, opc_error *error) {
+static int conditions_respond(conditions *c, opc_error *error) {
   variation *v = c->v;
   size_t tests = plan[0].test, first = 0, last = plan[1].test, poly = 0;
   batch test = {1000, tests, 0, plan[1].test, TESTS_OF_IMAGE, STREAM_TEST, 1};
@@ -496,7 +496,7 @@ int variation_respond(variation *v, opc_error *error) {
   c.printer.fine = v->with.fine;
   c.printer.keeps = 1;
   int code = conditions_prepare(&c, error);
-  if (!code) code = respond(&c, error);
+  if (!code) code = conditions_respond(&c, error);
   for (size_t i = 0; i < c.actives; i++) eda_field_clear(&c.active[i].field);
   for (int k = 0; k < LAYERS; k++) eda_shapes_clear(&c.shapes[k]);
   eda_printer_clear(&c.printer);

@@ -105,9 +105,10 @@ typedef struct fit {
 
 /* Decompose the matrix of the terms at the points p with rows[p] != 0; NULL:
    all. */
-static void decompose(const surrogate *s, size_t points,
-                      const double (*point)[VARIABLES], const uint8_t *rows,
-                      gsl_matrix *qr, gsl_vector *tau) {
+static void terms_decompose(const surrogate *s, size_t points,
+                            const double (*point)[VARIABLES],
+                            const uint8_t *rows, gsl_matrix *qr,
+                            gsl_vector *tau) {
   double *features = eda_alloc(s->terms, sizeof *features);
   size_t row = 0;
   for (size_t p = 0; p < points; p++) {
@@ -156,7 +157,7 @@ static void fit_gate(void *data, size_t i) {
   } else if (n >= s->terms) {
     gsl_matrix *qr = gsl_matrix_alloc(n, s->terms);
     gsl_vector *tau = gsl_vector_alloc(s->terms);
-    decompose(s, f->points, f->point, rows, qr, tau);
+    terms_decompose(s, f->points, f->point, rows, qr, tau);
     fit_figures(f, i, rows, n, qr, tau);
     gsl_matrix_free(qr);
     gsl_vector_free(tau);
@@ -174,7 +175,7 @@ int surrogate_fit(surrogate *s, const opc_context *context, size_t points,
                     points, s->terms);
   gsl_matrix *qr = gsl_matrix_alloc(points, s->terms);
   gsl_vector *tau = gsl_vector_alloc(s->terms);
-  decompose(s, points, point, NULL, qr, tau);
+  terms_decompose(s, points, point, NULL, qr, tau);
   fit f = {s, points, point, value, qr, tau};
   opc_parallel(context, s->gates, fit_gate, &f);
   gsl_matrix_free(qr);

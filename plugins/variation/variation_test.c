@@ -50,8 +50,8 @@ static void *run_step(opc_module *m, const char *input, const void *object) {
 enum { FACTOR = 100, LAYERS = 2 };
 
 /* Simulate and measure at displaced masks, z in the units of the variables. */
-static void simulate(const variation *v, const double z[VARIABLES],
-                     eda_measurement *out) {
+static void condition_simulate(const variation *v, const double z[VARIABLES],
+                               eda_measurement *out) {
   const eda_gates *g = v->gates;
   eda_printer p;
   opc_error error = {0};
@@ -93,7 +93,7 @@ static void simulate(const variation *v, const double z[VARIABLES],
 
 /* Compare the surrogate with simulations at n normally distributed
    conditions. */
-static void compare(const variation *v, uint32_t n) {
+static void surrogate_compare(const variation *v, uint32_t n) {
   const surrogate *s = &v->surrogate;
   double *features = eda_alloc(s->terms, sizeof *features);
   double rms[3] = {0}, spread = 0, count = (double)n * (double)v->gates->count;
@@ -105,7 +105,7 @@ static void compare(const variation *v, uint32_t n) {
       z[i] = v->sigma[i] * normal_at(99, 50, k, i);
       u[i] = z[i] / (variation_range * v->sigma[i]);
     }
-    simulate(v, z, &m);
+    condition_simulate(v, z, &m);
     surrogate_features(s, u, features);
     for (size_t i = 0; i < v->gates->count; i++) {
       double l = surrogate_at(s, features, LENGTH, i);
@@ -164,7 +164,7 @@ static void run_sample(const char *more, const eda_mask *mask, uint32_t n) {
   opc_module *m = module_make("variation", "%s", more);
   run_step(m, "mask", mask);
   const variation *v = m->self;
-  if (n) compare(v, n);
+  if (n) surrogate_compare(v, n);
   opc_test_module_free(m);
 }
 
@@ -240,7 +240,7 @@ static void test_circuit(void) {
   opc_test_module_free(reader);
 }
 
-static void refuse(const char *more, const char *why) {
+static void module_refuse(const char *more, const char *why) {
   g_autofree char *devices = g_build_filename(
       g_getenv("OPCFLOW_SOURCE"), "data", "devices", "ptm65.yaml", NULL);
   g_autofree char *models = g_strdup_printf(MODELS, devices);
@@ -252,10 +252,10 @@ static void refuse(const char *more, const char *why) {
 }
 
 static void test_refused(void) {
-  refuse("dose: 30 %", "'dose' is 30 %, expected less than 25 %");
-  refuse("edges.hurst: 1.1", "edges.hurst");
-  refuse("chips: 10", "chips");
-  refuse("file: a.jpg", ".png, .svg or .pdf");
+  module_refuse("dose: 30 %", "'dose' is 30 %, expected less than 25 %");
+  module_refuse("edges.hurst: 1.1", "edges.hurst");
+  module_refuse("chips: 10", "chips");
+  module_refuse("file: a.jpg", ".png, .svg or .pdf");
 }
 
 int main(int argc, char **argv) {
