@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Writes a libFuzzer dictionary for flow files from the declarations of
- * plugins. */
+   plugins. */
 #include <base/unit.h>
 #include <stdio.h>
 

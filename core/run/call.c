@@ -153,7 +153,7 @@ int opc_call_run(opc_run *run, const opc_flow_step *step, gboolean sketch,
   return code ? code : opc_call_check(run, step, error);
 }
 
-/* Remove the files that a failed step was writing: they may be incomplete. */
+/* Remove the files that a failed step was writing, which may be incomplete. */
 static void remove_given(const opc_run *run) {
   for (guint i = 0; i < run->written.given->len; i++)
     (void)remove(run->written.given->pdata[i]);

@@ -25,8 +25,8 @@ static const struct {
        than the whole. */
     .repeated = 0.25,
 
-    /* Largest forecast of memory of a whole layout, bytes. It does not depend
-       on the machine, so that results do not. */
+    /* Largest forecast of memory of a whole layout, bytes. The limit, and so
+       the result, is the same on all machines. */
     .most = 4e9,
 };
 

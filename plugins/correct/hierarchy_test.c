@@ -87,7 +87,7 @@ static eda_gates *flat(const eda_layout *layout) {
 }
 
 /* Return a corrected chip: most transistors of equal size have one mask, some
- * have other masks; added shapes and cut-outs extend beyond the cell. */
+   have other masks; added shapes and cut-outs extend beyond the cell. */
 static eda_chip *chip_of(const eda_layout *layout, const eda_gates *g,
                          GRand *rand) {
   enum { MASKS = 5, BOXES = 3 };

@@ -90,8 +90,8 @@ static void mask_amplitude(double transmission, double phase, double out[2]) {
 /* Limits of wavelength / NA, nm. All lengths of an image scale with wavelength
    / NA. The range includes extreme ultraviolet (6.7 nm, NA 0.56) and the g line
    (436 nm, NA 0.11). At both limits, the choice of kernels or the calibration
-   of a resist takes about ten seconds; beyond a limit by a factor of 2, it
-   takes four times as long. */
+   of a resist takes about ten seconds; a factor of 2 beyond a limit, both take
+   four times as long. */
 static const double least_unit = 12, most_unit = 4000;
 
 /* Largest |Zernike coefficient|, waves. Good lenses are below 0.05. Beyond the

@@ -86,8 +86,8 @@ static void gzip_refuse(reading *b, const char *what) {
         opc_fail(b->error, OPC_IO, NULL, "'%s': gzip: %s", b->r->file, what);
 }
 
-/* Decompress the next bytes of the file to *out, across the members of the
-   file. Return 0 at the end. */
+/* Decompress the next bytes of the file to z->next_out, across the members of
+   the file. Return 0 at the end. */
 static int gzip_unpack(reading *b, z_stream *z, size_t *at) {
   if (!z->avail_in) {
     size_t n;

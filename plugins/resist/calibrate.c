@@ -150,7 +150,7 @@ static void drawn_log(const resist_base *r, const char *id, resist_line a,
 }
 
 /* Return the default anchor of poly for a layout that is unknown or has no
-   transistors. It depends on the optics only. */
+   transistors. This anchor depends on the optics only. */
 static resist_drawn drawn_default(const resist_base *r, const char *id,
                                   eda_scanner scanner) {
   resist_drawn d = {.line = eda_natural(&scanner, least_line),
@@ -328,7 +328,7 @@ static int image_line(const fitting *f, const resist_line *l, eda_field *field,
   int code =
       eda_litho_spectrum(context, litho, &line, unit, frame, &mask, error);
   if (code) return code;
-  /* Use the accurate image if the model has an accurate image. */
+  /* image_fine is optional and more accurate. */
   code = model->image_fine
              ? model->image_fine(litho->self, f->layer->set, &mask, 0,
                                  image_error, field, error)

@@ -232,8 +232,8 @@ static place find_device(const graph *g, const char *name,
 }
 
 /* Largest allowed relative difference between the drawn lengths and widths of a
-   device in the circuit and in its cell. Accepts rounding to a grid; rejects a
-   different scale. */
+   device in the circuit and in its cell. The limit accepts rounding to a grid
+   and rejects a different scale. */
 static const double same_size = 0.02;
 
 place *graph_places(const graph *g, const eda_circuit *circuit,

@@ -166,7 +166,7 @@ static eda_box box_grown(eda_box b, double by) {
   return eda_box_grown(b, d);
 }
 
-/* Return a position in nm as an empty box. */
+/* Return a position in nm as a box of one point, in grid units. */
 static eda_box place_of(const loop *l, double x, double y) {
   int32_t a = (int32_t)lround(x / l->gates->grid),
           b = (int32_t)lround(y / l->gates->grid);

@@ -137,7 +137,7 @@ static void test_good(void) {
 }
 
 /* A gate that opens is reverted to its best mask; the other gate keeps its
- * mask. */
+   mask. */
 static void test_open(void) {
   script s = {.l = {{-12, -14}, {-62, -14}}, .moves = 2, .target = {1, 1}};
   loop l;
@@ -186,7 +186,8 @@ static void test_limit(void) {
   limit_of_guard = 0.5;
 }
 
-/* The best mask is not restored if it had other line ends. */
+/* The best mask is not restored if its line ends differ from the present ones.
+ */
 static int move_end(void *self, const eda_printed *p, eda_ruling *r,
                     opc_error *error) {
   (void)self, (void)p, (void)error;

@@ -241,8 +241,8 @@ static void test_by_layer(void) {
   aim = 0;
 }
 
-/* The accurate model changes at the end: the loop continues until it agrees.
-   Without the verification, the loop would end earlier. */
+/* The accurate model changes at the end: the loop continues until the accurate
+   model agrees. Without the verification, the loop would end earlier. */
 static void test_goes_on(void) {
   loop l, without;
   ADD(0.02);

@@ -4,7 +4,7 @@
 #include <guard/guard.h>
 #include <guard/pool.h>
 
-enum { TURNS = 64 }; /* least number of parts per thread, for load balance */
+enum { TURNS = 64 }; /* largest number of parts per thread, for load balance */
 
 /* One call of pool_run(). Each free thread takes the next `step` indices. The
    caller works, too, and waits only for tasks, so that nested calls cannot

@@ -33,8 +33,9 @@ static const double finest_pixel = 16, coarsest_pixel = 48, pixels = 6e5;
 
 /* For a mask by classes (transistors with equal environments share one
    correction): largest number of classes for which the mask around one member
-   is simulated, 0.05 s each; the page shows ten. Largest number of transistors
-   whose boxes are written, about 2 bytes each. */
+   is simulated, 0.05 s each; the page shows ten. Layouts with at most
+   `most_boxes` transistors are written with all boxes, about 2 bytes each,
+   larger layouts with one box for each class. */
 enum { MOST_SIMULATED = 40 };
 static const size_t most_boxes = 4000000;
 
@@ -370,7 +371,8 @@ static void write_levels(const drawing *d, const image *m) {
   free(grey);
 }
 
-/* Write the image, unless the layout requires too large pixels. */
+/* Write the image of the poly, unless the poly was not simulated or the layout
+   requires too large pixels. */
 static void write_image(const drawing *d) {
   eda_frame f = frame_of(d->mask->gates, d->mask->gates->extent, around);
   image m = {.print = &d->mask->print[EDA_POLY], .x0 = f.x0, .y0 = f.y0};

@@ -173,8 +173,8 @@ static int count_entry(void *count, const char *path, const char *name,
 }
 
 /* Largest number of files that are synced one by one. On ext4, syncing 800
-   files takes 2 to 3 s, but syncing the whole file system 0.05 s. The latter
-   also writes the data of other programs. */
+   files takes 2 to 3 s, but syncing the whole file system takes 0.05 s. A sync
+   of the whole file system also writes the data of other programs. */
 enum { FEW = 50 };
 
 int opc_sync_tree(const char *folder, opc_error *error) {

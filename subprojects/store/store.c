@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Files of the store: FOLDER/entries/ab/cdef... has a line of 16 bytes, 64
    digits of the SHA-256 of the remainder, and a GVariant. FOLDER/new/ has files
-   being written, locked by their writers. FOLDER/limit has the limit.
-   FOLDER/claims is an empty file with the locks of claims. FOLDER/opcflow-store
-   is an empty file that marks the folder as a store. */
+   being written, locked by their writers. FOLDER/lock is locked while old
+   entries are removed. FOLDER/limit has the limit. FOLDER/claims is an empty
+   file with the locks of claims. FOLDER/opcflow-store is an empty file that
+   marks the folder as a store. */
 #include <store/store.h>
 
 #include <errno.h>

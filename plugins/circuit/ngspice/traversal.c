@@ -104,8 +104,8 @@ static int is_end(const machine *m, size_t inputs, size_t s) {
   return 1;
 }
 
-/* Replace the set of states by a strongly connected set that is reached from
-   it, until no other set can be reached. */
+/* Replace the set of states by a strongly connected set that is reachable from
+   the set, until no other set is reachable. */
 void states_leading_to(const bench *b, const machine *m, uint8_t *kept) {
   const size_t inputs = b->inputs;
   g_autofree uint8_t *before = g_new(uint8_t, m->states);

@@ -115,8 +115,8 @@ static int count_shots(const counter *c, const ruler *r, const eda_box *boxes,
   return OPC_OK;
 }
 
-/* Count the shots, cut without slivers, and the smallest number of rectangles
-   for files. */
+/* Count the shots, which are cut with few slivers, and the smallest number of
+   rectangles, which files contain. */
 static int count_figures(const counter *c, const ruler *r,
                          const eda_shapes *shapes, int64_t f[FIGURES],
                          opc_error *error) {

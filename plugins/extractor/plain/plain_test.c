@@ -3,8 +3,8 @@
    exponential of length (linear in the interpolated quantity). */
 #include "../gates_test.h"
 
-/* Return Ion = 1e-3 A exp(-(L - 65) / 30) per um for n, half of it for p; Ioff
-   decays five times as fast. */
+/* Return Ion = 1e-3 A exp(-(L - 65) / 30) per um for n, and half of this
+   current for p; Ioff decays five times as fast. */
 static double current(int type, int off, double length) {
   return (type == EDA_PMOS ? 0.5e-6 : 1e-6) *
          exp(-(length - 65) / (off ? 6 : 30));
@@ -158,7 +158,7 @@ static void test_trapezoid(void) {
 
 /* Return the integral of exp(-sqrt(a + b t) / s). With u the root: 2 / b times
    the integral of u exp(-u / s) = -s (u + s) exp(-u / s). Below 40 nm, where
-   the table ends, it is extrapolated. */
+   the table ends, the current is extrapolated. */
 static double rounded_current(int off, double from, double to) {
   double b = to * to - from * from, s = off ? 6 : 30;
   return 2 * s / b *

@@ -27,8 +27,8 @@ enum {
   MOST = ROW / 13,         /* largest number of boxes of a row */
   TOP = 2 * ROW / 16,      /* number of frequencies of a row below twice the
                               cutoff */
-  TOP_X = 2 * ACROSS / 16, /* the same number for the first pattern along x */
-  TOP_Y = 2 * ALONG / 16,  /* the same number for the first pattern along y */
+  TOP_X = 2 * ACROSS / 16, /* this number for the first pattern along x */
+  TOP_Y = 2 * ALONG / 16,  /* this number for the first pattern along y */
   ORDERS = (2 * TOP_X + 1) * (2 * TOP_Y + 1)
 };
 _Static_assert(ORDERS >= 2 * TOP + 1, "rows have fewer frequencies");

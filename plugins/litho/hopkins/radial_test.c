@@ -157,7 +157,7 @@ static void test_pupils(void) {
 }
 
 /* Test against ratios for the same optics from another program, whose pixelated
-   source makes them 1 to 3 % smaller. */
+   source makes the ratios 1 to 3 % smaller. */
 static void test_reference(void) {
   static const double reference[VALUES] = {118.129, 22.6488, 22.6488, 4.54326,
                                            4.51376, 3.43913, 1.63783};

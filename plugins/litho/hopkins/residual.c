@@ -60,8 +60,8 @@ static void pair_sum_orders(const double term[ORDERS], int i, int j,
 }
 
 /* Compute the residual of T without the first `kept` eigenfunctions at a pair
-   of nodes, for all angles. If T is known in closed form, it is used instead of
-   the truncated sum of orders. */
+   of nodes, for all angles. If T is known in closed form, use that form instead
+   of the truncated sum of orders. */
 static void residual_of_pair(const radial *r, size_t kept, int i, int j,
                              double residual[ANGLES]) {
   size_t n = (size_t)r->n, at = (size_t)i * n + (size_t)j;

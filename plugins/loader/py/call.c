@@ -141,8 +141,8 @@ const void *py_new_array(const py_worker *w, const char *name, const char *type,
 
 /* ---- reports ---- */
 
-/* Log the output of the process line by line; at the level of warnings, if it
-   explains a failure. */
+/* Log the output of the process line by line; at the level of warnings, if the
+   output explains a failure. */
 static void worker_report(const opc_host *host, int level, const char *text) {
   g_auto(GStrv) lines = g_strsplit(text, "\n", -1);
   for (guint i = 0; host && lines[i]; i++)

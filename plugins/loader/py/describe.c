@@ -73,7 +73,8 @@ static uint32_t flags_of(JsonObject *o) {
   return all;
 }
 
-/* Fill a parameter whose field is at *offset, and move *offset behind it. */
+/* Fill a parameter whose field is at *offset, and move *offset behind the
+   field. */
 static int parameter_set(opc_parameter *p, JsonObject *o, size_t *offset,
                          opc_error *error) {
   const char *type = text_of(o, "type");

@@ -2,8 +2,8 @@
 /* Implements regulator.drc: the DRC compliance regulator (thesis 3.2.2 (3),
    figure 3.7). The regulator vetoes changes of gates that bridge, open or
    violate a mask space, and extends line ends whose printed extension past the
-   active is too short. It enlarges shapes that must cover a contact, and
-   reports the remaining violations. */
+   active is too short. The regulator enlarges shapes that must cover a contact,
+   and reports the remaining violations. */
 #include "drc.h"
 
 #include <eda/memory.h>

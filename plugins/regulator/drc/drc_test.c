@@ -158,7 +158,7 @@ static void test_alone(void) {
 }
 
 /* Whatever the order and size of displacements, the line ends keep min_space.
-   If both are too short, they use almost the entire spacing. */
+   If both line ends are too short, they use almost the entire spacing. */
 static void test_turns(void) {
   guint32 seed = 1;
   for (int run = 0; run < 200; run++) {

@@ -45,8 +45,8 @@ static void test_heads(void) {
   }
 }
 
-/* Requests of the synthesizer apply in all iterations. They extend the line
-   end, and widen the head if the length is limited, never by more than
+/* Requests of the synthesizer apply in all iterations. A request extends the
+   line end, and widens the head if the length is limited, never by more than
    requested. */
 static void test_requested(void) {
   for (int k = 0; k < 3; k++) {

@@ -114,7 +114,7 @@ static double beside(const chip *c, double x, double y) {
 }
 
 /* An edge whose full length closes a gap moves outwards only beside the
- * contact. */
+   contact. */
 static void test_segment(void) {
   g_autoptr(opc_module) m = drc_make("{}");
   chip c = {0};

@@ -63,8 +63,8 @@ static void test_near_neighbour(void) {
 }
 
 /* The lower and upper edges of an active are the ends of a gate width. The
-   repair shape on the right side ends with them at any shift, and vanishes
-   where they meet. */
+   repair shape on the right side ends with these edges at any shift, and
+   vanishes where the edges meet. */
 static void test_width(void) {
   static const struct {
     int32_t w, aside, low, high;

@@ -28,9 +28,9 @@ static double site_margin(const drc *r, const site *s) {
   return is_contact(s) ? r->overlay : 0;
 }
 
-/* Compute the checked points of a site. Return their number. If a layer must
-   not touch a contact, the points include the corners. If a layer must cover a
-   contact, they do not, because corners print rounded. */
+/* Compute the checked points of a site. Return their number. The points include
+   the corners of a contact that the layer must not touch, but not the corners
+   of a contact that the layer must cover, because corners print rounded. */
 static int site_points(const drc *r, const site *s, double *x, double *y,
                        uint8_t *side) {
   double m = site_margin(r, s), grid = r->grid;
@@ -363,8 +363,8 @@ static double repair_figure(const site *s, const repair *one, int side) {
              : one->value[side];
 }
 
-/* Displace the two sides adjacent to a side at its limit, and with them its
-   corners, as long as the contour at the side improves. */
+/* Displace the two sides adjacent to a side at its limit, which also displaces
+   the corners, as long as the contour at the side improves. */
 static void repair_grow_flanks(repair *one, int side, double grid) {
   int32_t step = (int32_t)ceil(tuned.flank_step / grid);
   double value = one->value[side], before = one->flanked[side];

@@ -201,7 +201,7 @@ static double rms(const double *a, const double *b) {
 }
 
 /* Test a table printed by a known variable threshold of two terms: the fit
- * reproduces the widths, and the widths of a line that is not in the table. */
+   reproduces the widths, and the widths of a line that is not in the table. */
 static void test_known(void) {
   g_autoptr(opc_module) litho = lines_hopkins();
   g_autoptr(opc_module) known =

@@ -186,7 +186,7 @@ static double mean_epe(const epe *d) {
   return length > 0 ? sum / length : 0;
 }
 
-/* Return 1 if the error of every edge is at most half a grid step. */
+/* Return 1 if the error of every fragment is at most half a grid step. */
 static int is_solved(const epe *d) {
   for (size_t k = 0; k < d->n_layers; k++)
     for (size_t i = 0; i < d->layers[k].count; i++)

@@ -149,8 +149,8 @@ static void fragment_move_back(epe_layer *l, const int32_t *shift, uint32_t i,
   l->state[l->fragments[i].edge] |= EPE_NARROWED;
 }
 
-/* Reduce the shifts of the fragments around the corners of a fragment by one
-   step, because they made the fragment longer. */
+/* Reduce by one step the shifts of the adjacent fragments around both corners
+   of a fragment, because these shifts made the fragment longer. */
 static void neighbours_move_back(epe_layer *l, const int32_t *shift,
                                  uint32_t i) {
   const epe_fragment *p = &l->fragments[i];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests pairs of fragments against an exhaustive search, and the shifts that
- * separate them. */
+   separate them. */
 #include "cut.c"
 
 #include "tools/devel/testing.h"

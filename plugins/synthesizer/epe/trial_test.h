@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Test helpers of synthesizer.epe: shapes without transistors, and their
- * correction with edge placement errors from a function of the test. */
+   correction with edge placement errors from a function of the test. */
 #pragma once
 
 #include <eda/eda.h>

@@ -207,7 +207,8 @@ static void put_layer_names(oasis *w) {
   }
 }
 
-/* Return the place of the table that began at `from`; 0 if it is empty. */
+/* Return the place of the table that began at `from`; 0 if the table is empty.
+ */
 static uint64_t end_table(oasis *w, uint64_t from) {
   eda_oasis_end_block(w->out);
   return eda_oasis_place(w->out) > from ? from : 0;

@@ -2,10 +2,10 @@
 /* Charts: axes with round numbers and units, lines, dots, bands and colour
    maps.
 
-   gnuplot 5.4, which draws lines of equal quality, is not used. It needs 3.5 MB
-   in five Debian packages. Each chart requires a script and a process of 0.05 s
-   (here 0.03 s). gnuplot also writes the time into .pdf files,
-   so that equal charts differ. Pictures of layouts need cairo and most of this
+   gnuplot 5.4 draws lines of equal quality, but needs 3.5 MB in five Debian
+   packages. A chart by gnuplot takes a script and a process of 0.05 s; a chart
+   by this file takes 0.03 s. gnuplot also writes the time into .pdf files, so
+   that equal charts differ. Pictures of layouts need cairo and most of this
    folder in any case. */
 #include <eda/drawing.h>
 #include <math.h>

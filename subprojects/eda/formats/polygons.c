@@ -73,8 +73,8 @@ static size_t larger_half(const piece *const half[2]) {
   return half[0]->n > half[1]->n ? half[0]->n : half[1]->n;
 }
 
-/* Divide a polygon in two. Return 0 if no line yields two parts of at most 4/5
-   of the points. */
+/* Divide a polygon in two. Return 0 if no line yields two parts that each have
+   at most 4/5 of the points. */
 static int piece_halve(const piece *p, piece *best[2]) {
   int32_t *values = eda_alloc(p->n, sizeof *values);
   for (int axis = 0; axis < 2; axis++) {

@@ -46,7 +46,7 @@ static void skip_blanks(parser *p) {
   while (g_ascii_isspace(*p->at)) p->at++;
 }
 
-/* Skip blanks and, if it follows, the character c. */
+/* Skip blanks and then the character c, if present. */
 static int parser_accept(parser *p, char c) {
   skip_blanks(p);
   if (*p->at != c) return 0;

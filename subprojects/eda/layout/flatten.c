@@ -20,7 +20,8 @@
 
 /* Tolerance in grid units. x * unit / grid has a relative error of a few 2^-53,
    at most 1e-6 for the allowed coordinates. A value less than EPSILON below a
-   half is rounded up; a value within EPSILON of an integer is not moved. */
+   half is rounded up; a value within EPSILON of an integer does not count as
+   moved. */
 #define EPSILON 1e-6
 
 #define BEYOND "'%s': a coordinate of layer '%s' is beyond 2^30 units of %g nm"
@@ -115,8 +116,9 @@ static void put_shape(flattener *f, const frame *at, const sheet *s, size_t i) {
   put_shape_end(f, at->number);
 }
 
-/* Return the number of shapes of the layer in a cell without cells below, or of
-   all texts if texts are flattened. Write the shapes to *s. */
+/* Return the number of shapes of the layer that the cell itself has, without
+   the cells below; of texts, if texts are flattened. Set *s to the shapes (NULL
+   for texts). */
 static size_t own_items(const flattener *f, const cell *c, const sheet **s) {
   *s = f->texts ? NULL : eda_layout_sheet(c, f->layer);
   if (f->texts) return c->n_labels;
@@ -247,7 +249,7 @@ static bool flattener_bounded(flattener *f) {
 
 /* ---- whole layer ---- */
 
-/* Count the shapes and points of a cell without cells below. */
+/* Count the shapes and points of the cell itself, without the cells below. */
 static void count_own(const flattener *f, const cell *c, uint64_t *shapes,
                       uint64_t *points) {
   const sheet *s;

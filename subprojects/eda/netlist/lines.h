@@ -22,13 +22,14 @@ typedef struct line {
 typedef struct eda_lines {
   opc_error *error;
   eda_pool *pool;
-  /* Function called for each non-empty line, and its argument. */
+  /* Function called for each statement (a line with its continuation lines),
+     and the argument of the function. */
   int (*take)(void *data, const line *l);
   void *data;
 
   size_t files, capacity;
   const char **file;
-  int ended; /* set by `take` at .end; stops reading */
+  int ended; /* set by `take` at .end; the rest of the file is not read */
   int depth; /* current nesting depth of .include */
   size_t bytes;
   int wraps; /* 1: a '{' may be closed in a continuation line */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Goals of gates, from the texts of the layer `notes`. A text in a cell applies
-   to each of its instances; a text of a higher cell replaces it. */
+   to each instance of the cell; a text of a higher cell replaces the text of a
+   lower one. */
 #include <eda/goals.h>
 #include <stdlib.h>
 #include <string.h>
