@@ -387,6 +387,20 @@ static int newton_is_done(newton *t, int64_t print) {
                    (mean <= newton_ion_limit(t) / tuned.mean_part || unchanged);
 }
 
+/* Return whether the correction of Ioff ends: at the latest in iteration
+   `settled`, and up to `polish` iterations earlier if nearly all transistors
+   have the target of Ioff. */
+static int newton_settles(const newton *t, int64_t print) {
+  int64_t last = tuned.settled[t->target];
+  size_t open = 0;
+  if (!corrects_ioff(t) || print < last - tuned.polish) return 0;
+  for (size_t i = 0; i < t->count; i++) {
+    const transistor *s = &t->state[i];
+    open += s->failed || fabs(s->error[IOFF]) > tuned.leaks;
+  }
+  return print >= last || (double)open <= tuned.open * (double)t->count;
+}
+
 /* End the correction of Ioff; only L moves, for Ion, from `best`. */
 static void newton_settle(newton *t, int64_t print) {
   t->settled = print;

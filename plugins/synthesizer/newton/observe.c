@@ -489,17 +489,6 @@ void newton_predict(newton *t, const eda_feedback *f) {
   }
 }
 
-int newton_settles(const newton *t, int64_t print) {
-  int64_t last = tuned.settled[t->target];
-  size_t open = 0;
-  if (!corrects_ioff(t) || print < last - tuned.polish) return 0;
-  for (size_t i = 0; i < t->count; i++) {
-    const transistor *s = &t->state[i];
-    open += s->failed || fabs(s->error[IOFF]) > tuned.leaks;
-  }
-  return print >= last || (double)open <= tuned.open * (double)t->count;
-}
-
 /* ---- work: messages ---- */
 
 void newton_log_unconverged(newton *t, int64_t print) {

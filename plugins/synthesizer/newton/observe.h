@@ -151,11 +151,6 @@ void newton_reshape(newton *t, size_t i, const shape *to);
 /* Compute the uncertainty of the next log Ion of each transistor. */
 void newton_predict(newton *t, const eda_feedback *f);
 
-/* Return whether the correction of Ioff ends: at the latest in iteration
-   `settled`, and up to `polish` iterations earlier if nearly all transistors
-   have the target of Ioff. */
-int newton_settles(const newton *t, int64_t print);
-
 /* Report transistors beyond the limit that could move after the last iteration,
    once, with the worst of them. */
 void newton_log_unconverged(newton *t, int64_t print);
