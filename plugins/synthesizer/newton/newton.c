@@ -131,7 +131,9 @@ static biases mask_with_width(const newton *t, const eda_feedback *f, size_t i,
   double rest[ERRORS], more[MOVES], grid = f->gates->grid;
   double most = fmin(t->max_bias, f->gates->width[i] / 2) / grid;
   int any = corrects_ioff(t); /* W moves for Ioff */
-  double enough = newton_tolerance(t) * (any ? 1 : tuned.coarse);
+  double enough =
+      any ? newton_tolerance(t)
+          : fmax(newton_ion_limit(t), tuned.coarse * newton_tolerance(t));
   biases found = best;
   errors_after(s, mask_length(t, i, best), best.w, rest);
   double least = errors_size(t, rest);
@@ -297,21 +299,6 @@ static int edges_flatten(newton *t, const eda_feedback *f, size_t i) {
   return 1;
 }
 
-/* Return `best` with a W that is one or two steps nearer to the target, for a
-   transistor whose next L is known to be worse. */
-static biases mask_with_step_of_width(const newton *t, const eda_feedback *f,
-                                      size_t i) {
-  const transistor *s = &t->state[i];
-  biases next = s->best;
-  double dw = -s->best_error[ION] / s->response.by[ION][BY_W];
-  double by = fmin(fmax(round(dw), -2), 2);
-  uint8_t why;
-  if (by == 0) by = dw > 0 ? 1 : -1;
-  next.w += (int32_t)width_bounded(t, f, i, f->vetoes[i], by, &why);
-  next.aside = width_aside(s, next.w);
-  return next;
-}
-
 /* Return the next mask to try for one transistor. */
 static biases mask_propose(newton *t, const eda_feedback *f, size_t i) {
   transistor *s = &t->state[i];
@@ -327,9 +314,6 @@ static biases mask_propose(newton *t, const eda_feedback *f, size_t i) {
   int cut, shaped = !s->failed && edges_flatten(t, f, i);
   biases next = newton_step(t, f, i, enough, &why, &cut);
   if (s->failed || shaped) return next;
-  if (t->settled && biases_equal(next, s->tried) &&
-      !biases_equal(next, s->best))
-    next = mask_with_step_of_width(t, f, i);
   double hope = mask_expected_size(t, i, next);
   s->verdict = MOVING;
   int held = cut && s->size > newton_ion_limit(t) &&
@@ -348,7 +332,7 @@ static biases mask_propose(newton *t, const eda_feedback *f, size_t i) {
 /* Return whether transistors within the limit stop: further moves have little
    effect, but disturb neighbours and the regulator. */
 static int newton_is_late(const newton *t, int64_t print) {
-  return t->settled && print >= t->settled + tuned.polish;
+  return t->settled && print >= tuned.settled[t->target] + tuned.polish;
 }
 
 static int is_within(const newton *t, size_t i) {
@@ -387,37 +371,15 @@ static int newton_is_done(newton *t, int64_t print) {
                    (mean <= newton_ion_limit(t) / tuned.mean_part || unchanged);
 }
 
-/* Return whether the correction of Ioff ends: at the latest in iteration
-   `settled`, and up to `polish` iterations earlier if nearly all transistors
-   have the target of Ioff. */
-static int newton_settles(const newton *t, int64_t print) {
-  int64_t last = tuned.settled[t->target];
-  size_t open = 0;
-  if (!corrects_ioff(t) || print < last - tuned.polish) return 0;
-  for (size_t i = 0; i < t->count; i++) {
-    const transistor *s = &t->state[i];
-    open += s->failed || fabs(s->error[IOFF]) > tuned.leaks;
-  }
-  return print >= last || (double)open <= tuned.open * (double)t->count;
-}
-
-/* End the correction of Ioff; only L moves, for Ion, from `best`. */
-static void newton_settle(newton *t, int64_t print) {
-  t->settled = print;
+/* Return to `best` and end the correction of Ioff; only L moves, for Ion. */
+static void newton_settle(newton *t) {
+  t->settled = 1;
   t->weight[IOFF] = 0;
   for (size_t i = 0; i < t->count; i++) {
     transistor *s = &t->state[i];
-    if (isfinite(s->best_size)) {
-      s->now = s->valid = s->best;
-      s->failed = 0;
-      memcpy(s->x, s->best_x, sizeof s->x);
-      memcpy(s->error, s->best_error, sizeof s->error);
-      s->best_size = errors_size(t, s->error);
-    }
+    s->revert = !biases_equal(s->now, s->best);
+    s->best_size = s->revert ? INFINITY : errors_size(t, s->error);
     s->size = s->settled_size = errors_size(t, s->error);
-    s->pull = s->error[ION];
-    s->response = s->first; /* the results of moves of L and W are mixed */
-    s->response.doubt[BY_L] = tuned.doubt[BY_L];
     s->trust.error[SHORT] = s->trust.error[LONG] = 0; /* for another W */
   }
 }
@@ -435,6 +397,11 @@ static void transistor_decide(void *data, size_t i) {
   newton *t = j->t;
   transistor *s = &t->state[i];
   int64_t k = j->f->iteration, last = t->iterations;
+  if (s->revert) {
+    s->next = s->best;
+    s->revert = 0;
+    return;
+  }
   biases next = mask_propose(t, j->f, i);
   if (k > last) {
     /* The regulator may still move shapes, so transistors that these shapes
@@ -459,11 +426,11 @@ static int newton_update(void *self, const eda_feedback *f, eda_moves *moves,
       t->parts[i] = parts_of(f->gates, i, &t->sides[i]);
   }
   newton_observe(t, f, moves);
-  int settles = newton_settles(t, f->iteration);
-  if (settles) newton_settle(t, f->iteration);
+  int settles = corrects_ioff(t) && f->iteration == tuned.settled[t->target];
+  if (settles) newton_settle(t);
   decision j = {t, f, newton_is_done(t, f->iteration) && !settles};
   opc_parallel(t->host->context, t->count, transistor_decide, &j);
-  *done = !settles;
+  *done = 1;
   for (size_t i = 0; i < t->count; i++) {
     biases next = t->state[i].next;
     if (f->iteration < t->iterations && !biases_equal(next, t->state[i].now))
@@ -573,7 +540,7 @@ static void newton_follow(newton *t, eda_scanner scanner) {
 
 /* Weights belong to the plain target; the other targets set their own. */
 static int newton_check(void *self, opc_error *error) {
-  static const double prices[TARGETS] = {INFINITY, 0.6, 0.02};
+  static const double prices[TARGETS] = {INFINITY, 1, 0.02};
   static const double weights[ERRORS] = {1, 0, 0};
   newton *t = self;
   double sum = 0;

@@ -5,6 +5,7 @@
 
 #include <glib.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "tuning.h"
@@ -86,15 +87,10 @@ static int is_foreign(const newton *t, const transistor *s, const change *c) {
    longer valid. */
 static void keep_best(transistor *s, uint32_t flags, int first) {
   if (!first && !s->disturbed && s->size >= s->best_size &&
-      !biases_equal(s->now, s->best)) {
-    s->tried = s->now;
+      !biases_equal(s->now, s->best))
     return;
-  }
   s->best_size = s->size;
   s->best = s->now;
-  s->tried = s->best;
-  memcpy(s->best_x, s->x, sizeof s->x);
-  memcpy(s->best_error, s->error, sizeof s->error);
   s->outside = (flags & EDA_PRINT_OUTSIDE) != 0;
 }
 
@@ -118,7 +114,7 @@ static double pull_by_w(const newton *t, const transistor *s) {
 static void transistor_init(transistor *s, biases drawn) {
   s->valid = s->best = drawn;
   s->size = s->best_size = INFINITY;
-  s->point = (point){{NAN, NAN}, {NAN, NAN}};
+  s->point = (point){NAN, NAN};
 }
 
 /* Compute the outward moves of both ends of the width, grid steps. */
@@ -255,8 +251,7 @@ static void transistor_update(const newton *t, transistor *s,
   if (foreign)
     s->response = s->first;
   else if (printed && moved)
-    response_learn(&s->response, &s->first, c.dx, c.de, s->uncertainty,
-                   t->settled ? tuned.doubt[BY_L] : tuned.least_doubt);
+    response_learn(&s->response, &s->first, c.dx, c.de, s->uncertainty);
   /* A move may have an effect that the response does not predict, so a
      transistor that moved is not disturbed. */
   s->disturbed |= (uint8_t)(foreign && !moved);
@@ -268,12 +263,8 @@ static void transistor_update(const newton *t, transistor *s,
   s->settled_size = first || moved ? s->size : fmin(s->settled_size, s->size);
   s->point = point_of(f->printed, i);
   if (newton_reshapes(t, f)) s->ripple = ripple_of(f, i, &t->parts[i]);
-  const point drawn = point_of(f->design, i);
-  response_bend(&s->response, &s->first, s->point, drawn, tuned.least_apart);
-  double off[2];
-  if (!first && width_end_lengths(f, i, off))
-    response_ends(&s->response, &s->first, off,
-                  s->point.length[ION] - drawn.length[ION]);
+  response_bend(&s->response, &s->first, s->point, point_of(f->design, i),
+                f->gates->grid);
   if (!first) trust_update(t, s, &c, f->iteration > 1 ? foreseen : NAN);
   keep_best(s, f->flags[i], first);
   if (corrects_ioff(t) && f->iteration >= tuned.shapes[BALANCED])
@@ -350,7 +341,7 @@ static void responses_learn_common(newton *t, const eda_feedback *f,
       if ((f->gates->type[i] == EDA_PMOS) != type) continue;
       response *r = &t->state[i].response;
       for (int e = 0; e < ERRORS; e++) r->by[e][BY_L] *= factor;
-      r->doubt[BY_L] = tuned.least_doubt;
+      r->doubt[BY_L] = tuned.doubt_of_many;
     }
   }
   for (size_t i = 0; i < t->count; i++)
@@ -364,64 +355,6 @@ static biases mask_simulated(const newton *t, const eda_moves *moves,
   biases b = {moves->l[i], moves->w[i], moves->jog[i], t->state[i].next.shape,
               moves->aside ? moves->aside[i] : 0};
   return b;
-}
-
-/* Sums of a least-squares fit of two factors, of the responses of a current to
-   L and to W. l, w: changes that these responses predict; y: observed change
-   minus both. */
-typedef struct plane {
-  double n, ll, lw, ww, ly, wy;
-} plane;
-
-/* Add the last moves of a transistor to the sums of Ion and Ioff. */
-static void plane_add(const newton *t, const eda_feedback *f, size_t i,
-                      biases now, plane of[2]) {
-  const transistor *s = &t->state[i];
-  double error[ERRORS];
-  if (s->failed || !errors_of(f, i, t->goal[i].target, error) ||
-      ends_moved(f->gates, s->end, f->end + 2 * i))
-    return;
-  double dl = mask_length(t, i, now) - s->x[BY_L], dw = now.w - s->x[BY_W];
-  for (int k = ION; k <= IOFF; k++) {
-    double l = s->response.by[k][BY_L] * dl, w = s->response.by[k][BY_W] * dw;
-    double y = error[k] - s->error[k] - l - w;
-    of[k].n++;
-    of[k].ll += l * l, of[k].lw += l * w, of[k].ww += w * w;
-    of[k].ly += l * y, of[k].wy += w * y;
-  }
-}
-
-/* Compute the factors of a fit. Return 0 if too few transistors moved. */
-static int plane_solve(const plane *p, double factor[MOVES]) {
-  double ridge = tuned.ridge * (p->ll + p->ww);
-  double l = p->ll + ridge, w = p->ww + ridge, det = l * w - p->lw * p->lw;
-  if (p->n < tuned.many || !(det > 0)) return 0;
-  factor[BY_L] = 1 + (p->ly * w - p->wy * p->lw) / det;
-  factor[BY_W] = 1 + (p->wy * l - p->ly * p->lw) / det;
-  for (int m = 0; m < MOVES; m++)
-    factor[m] = fmin(fmax(factor[m], 1 / tuned.gain_bound), tuned.gain_bound);
-  return 1;
-}
-
-/* Multiply the responses of both currents of all transistors of a type by two
-   factors, fitted to the results of the last moves. */
-static void responses_learn_factors(newton *t, const eda_feedback *f,
-                                    const eda_moves *moves) {
-  plane of[2][2] = {{{0}}};
-  double factor[MOVES];
-  for (size_t i = 0; i < t->count; i++)
-    plane_add(t, f, i, mask_simulated(t, moves, i),
-              of[f->gates->type[i] == EDA_PMOS]);
-  for (int type = 0; type < 2; type++)
-    for (int k = ION; k <= IOFF; k++) {
-      if (!plane_solve(&of[type][k], factor)) continue;
-      for (size_t i = 0; i < t->count; i++) {
-        transistor *s = &t->state[i];
-        if ((f->gates->type[i] == EDA_PMOS) != type) continue;
-        for (int m = 0; m < MOVES; m++)
-          response_scale(&s->response, &s->first, k, m, factor[m]);
-      }
-    }
 }
 
 /* Arguments of the update, common to all transistors. */
@@ -443,11 +376,8 @@ void newton_observe(newton *t, const eda_feedback *f, const eda_moves *moves) {
   update_all p = {.t = t, .f = f, .moves = moves};
   for (size_t i = 0; f->iteration > 0 && i < t->count; i++)
     response_bend(&t->state[i].response, &t->state[i].first, t->state[i].point,
-                  point_of(f->printed, i), tuned.least_apart);
+                  point_of(f->printed, i), f->gates->grid);
   if (f->iteration == 1) responses_learn_common(t, f, moves, p.common);
-  if (newton_reshapes(t, f)) curves_measure(f, t->curve);
-  if (f->iteration > 1 && corrects_ioff(t))
-    responses_learn_factors(t, f, moves);
   opc_parallel(t->host->context, t->count, transistor_update_one, &p);
   if (f->iteration == 0) newton_start(t, f);
 }

@@ -53,8 +53,6 @@ typedef struct transistor {
   biases next;          /* requested mask */
   biases best;          /* mask with the least size so far */
   double best_size;
-  biases tried; /* last mask with a larger size than `best` */
-  double best_x[MOVES], best_error[ERRORS]; /* `x` and `error` of `best` */
   double settled_size;      /* least size of the errors since the transistor
                                last moved */
   response response, first; /* current and initial response */
@@ -72,6 +70,7 @@ typedef struct transistor {
                         the currents */
   uint8_t outside;   /* 1: currents of the best mask are extrapolated beyond
                         the device table */
+  uint8_t revert;    /* 1: the next mask is `best` */
   uint8_t verdict;
 } transistor;
 
@@ -92,13 +91,12 @@ typedef struct newton {
   int fine;
   int64_t iterations;
   const char *goals_path;
-  double mean;     /* mean size in the last iteration; while `rest` is 1, the
-                      least mean since the stop */
-  int64_t settled; /* iteration after which shapes and W are final and L alone
-                      corrects Ion; 0: not yet */
-  int reported;    /* 1: missing convergence was logged */
-  int rest;        /* 1: newton_is_done was true in the last iteration */
-  eda_goal *goal;  /* [count], goal of each transistor */
+  double mean;    /* mean size in the last iteration; while `rest` is 1, the
+                     least mean since the stop */
+  int settled;    /* 1: shapes and W are final; L alone corrects Ion */
+  int reported;   /* 1: missing convergence was logged */
+  int rest;       /* 1: newton_is_done was true in the last iteration */
+  eda_goal *goal; /* [count], goal of each transistor */
   transistor *state;
   sides *sides;
   size_t count;

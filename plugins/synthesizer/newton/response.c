@@ -47,9 +47,8 @@ void curves_measure(const eda_feedback *f, curve out[2]) {
 }
 
 point point_of(const eda_performance *p, size_t i) {
-  if (!has_performance(p, i)) return (point){{NAN, NAN}, {NAN, NAN}};
-  return (point){{p->leq_ion[i], p->leq_ioff[i]},
-                 {log(p->ion[i] / p->weq[i]), log(p->ioff[i] / p->weq[i])}};
+  if (!has_performance(p, i)) return (point){NAN, NAN};
+  return (point){p->leq_ion[i], log(p->ion[i] / p->weq[i])};
 }
 
 int errors_of(const eda_feedback *f, size_t i, const double target[ERRORS],
@@ -79,8 +78,7 @@ void errors_with_line_ends(const eda_feedback *f, size_t i,
 response response_first(const eda_gates *g, size_t i, const curve *of_type,
                         const double gain[MOVES]) {
   response r = {.doubt = {tuned.doubt[BY_L], tuned.doubt[BY_W]},
-                .slope = {of_type->slope[ION], of_type->slope[IOFF]},
-                .end = 1};
+                .slope = of_type->slope[ION]};
   for (int k = 0; k < ERRORS; k++) {
     double slope = k == AREA ? 1 / g->length[i] : of_type->slope[k];
     r.by[k][BY_L] = slope * gain[BY_L] * g->grid;
@@ -89,32 +87,14 @@ response response_first(const eda_gates *g, size_t i, const curve *of_type,
   return r;
 }
 
-void response_scale(response *r, response *first, int k, int m, double by) {
-  r->by[k][m] *= by;
-  first->by[k][m] *= by;
-}
-
 void response_bend(response *r, response *first, point from, point to,
                    double least) {
-  for (int k = ION; k <= IOFF; k++) {
-    double apart = to.length[k] - from.length[k];
-    double slope = (to.drive[k] - from.drive[k]) / apart;
-    if (!(fabs(apart) >= least && slope < 0)) continue;
-    response_scale(r, first, k, BY_L, slope / r->slope[k]);
-    r->slope[k] = first->slope[k] = slope;
-  }
-}
-
-void response_ends(response *r, response *first, const double off[2],
-                   double mean) {
-  const double most = tuned.trust[BY_W];
-  double sum = 0;
-  for (int high = 0; high < 2; high++)
-    sum += exp(r->slope[ION] * (off[high] - mean)) / 2;
-  if (isnan(sum)) return;
-  sum = fmin(fmax(sum, 1 / most), most);
-  response_scale(r, first, ION, BY_W, sum / r->end);
-  r->end = first->end = sum;
+  double apart = to.length - from.length;
+  double slope = (to.drive - from.drive) / apart;
+  if (!(fabs(apart) >= least && slope < 0)) return;
+  r->by[ION][BY_L] *= slope / r->slope;
+  first->by[ION][BY_L] *= slope / first->slope;
+  r->slope = first->slope = slope;
 }
 
 static double limit_response(double x, double first, double trust) {
@@ -123,7 +103,7 @@ static double limit_response(double x, double first, double trust) {
 }
 
 void response_learn(response *r, const response *first, const double dx[MOVES],
-                    const double de[ERRORS], double noise, double least) {
+                    const double de[ERRORS], double noise) {
   double doubt[MOVES] = {0};
   for (int k = 0; k < ERRORS; k++) {
     double as_ion = first->by[k][BY_L] / first->by[ION][BY_L];
@@ -143,7 +123,8 @@ void response_learn(response *r, const response *first, const double dx[MOVES],
                                    first->by[k][m], tuned.trust[m]);
     }
   }
-  for (int m = 0; m < MOVES; m++) r->doubt[m] = fmax(doubt[m], least);
+  for (int m = 0; m < MOVES; m++)
+    r->doubt[m] = fmax(doubt[m], tuned.least_doubt);
 }
 
 void response_solve(const response *r, const double error[ERRORS],

@@ -18,10 +18,8 @@ enum { BY_L, BY_W, MOVES };
 /* by: d error / d move, per grid step. doubt: relative uncertainty of `by`. */
 typedef struct response {
   double by[ERRORS][MOVES], doubt[MOVES];
-  double slope[2]; /* d log(I / W) / dL of Ion and Ioff, 1/nm, the device slopes
-                      that `by` contains */
-  double end;      /* Ion per W at the ends of the width, relative to the mean
-                      over the width, that `by` contains */
+  double slope; /* d log(Ion / W) / dL, 1/nm, the device slope that `by`
+                   contains */
 } response;
 
 /* Slopes of wide transistors of one type, 1/nm: d log(I / W) / dL for both
@@ -30,10 +28,10 @@ typedef struct curve {
   double slope[ERRORS];
 } curve;
 
-/* Points of the device curves of a transistor, Ion and Ioff: equivalent length,
-   nm, and log(I / W). All are NAN if unknown. */
+/* A point of the device curve of a transistor: equivalent length of Ion, nm,
+   and log(Ion / W). Both are NAN if unknown. */
 typedef struct point {
-  double length[2], drive[2];
+  double length, drive;
 } point;
 
 point point_of(const eda_performance *p, size_t i);
@@ -58,28 +56,18 @@ void errors_with_line_ends(const eda_feedback *f, size_t i,
 response response_first(const eda_gates *gates, size_t i, const curve *of_type,
                         const double gain[MOVES]);
 
-/* Scale a response and the initial response to the slopes of the device curves
-   between two points. Skip a curve whose points are less than `least` nm apart
-   or whose slope is not negative. */
+/* Scale a response and the initial response to the slope of the device curve
+   between two points. Do nothing if the points are less than `least` nm apart
+   or the slope is not negative. */
 void response_bend(response *r, response *first, point from, point to,
                    double least);
-
-/* Multiply a response of error k to move m, and the initial response, by a
-   factor. */
-void response_scale(response *r, response *first, int k, int m, double by);
-
-/* Scale the response of Ion to W to the current of the strips that a change of
-   W adds at both ends. `off`: printed minus drawn length at the ends, nm;
-   `mean`: the same of the equivalent length of Ion. */
-void response_ends(response *r, response *first, const double off[2],
-                   double mean);
 
 /* Update a response by Broyden's formula, weighted by the uncertainties. dx:
    move; de: change of the errors. Other causes change log Ion by `noise`
    (standard deviation). tuned.trust limits the ratio of the response to
-   `first`. `least`: least relative uncertainty afterwards. */
+   `first`. */
 void response_learn(response *r, const response *first, const double dx[MOVES],
-                    const double de[ERRORS], double noise, double least);
+                    const double de[ERRORS], double noise);
 
 /* Compute the move that minimizes the sum of weight[k] * error[k]^2 for a
    linear response. dx[m] is 0 where free[m] is 0. */

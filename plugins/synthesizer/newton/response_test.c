@@ -113,10 +113,8 @@ static void test_errors(void) {
   assert_near(more[IOFF], e[IOFF] - 0.39 * (mean - p[3][7]));
   assert_near(more[AREA], e[AREA]);
   point at = point_of(&d.performance[1], 7);
-  for (int k = ION; k <= IOFF; k++) {
-    assert_near(at.length[k], p[2 + k][7]);
-    assert_near(exp(at.drive[k]), p[k][7] / p[4][7]);
-  }
+  assert_near(at.length, p[2][7]);
+  assert_near(exp(at.drive), p[0][7] / p[4][7]);
   static const uint32_t gone[] = {EDA_PRINT_OPEN, EDA_PRINT_MERGED,
                                   EDA_PRINT_ISLAND, EDA_PRINT_NO_ACTIVE};
   for (size_t k = 0; k < G_N_ELEMENTS(gone); k++) {
@@ -134,7 +132,7 @@ static void test_errors(void) {
     memset(more, 0, sizeof more);
     errors_with_line_ends(&d.feedback, 7, &c, more);
     g_assert_cmpfloat(fabs(more[ION]) + fabs(more[IOFF]), ==, 0);
-    g_assert_true(isnan(point_of(&d.performance[1], 7).drive[ION]));
+    g_assert_true(isnan(point_of(&d.performance[1], 7).drive));
     p[k][7] = kept;
   }
 }
@@ -151,62 +149,31 @@ static void test_first(void) {
   assert_near(r.by[AREA][BY_L], 1 / d.length[3]);
   for (int k = 0; k < ERRORS; k++)
     assert_near(r.by[k][BY_W], 0.35 / d.width[3]);
-  assert_near(r.slope[ION], -0.05);
-  assert_near(r.slope[IOFF], -0.39);
+  assert_near(r.slope, -0.05);
   for (int m = 0; m < MOVES; m++) assert_near(r.doubt[m], tuned.doubt[m]);
 }
 
 /* After any number of calls, the ratio of response and slope is the initial
-   ratio; nothing else changes. The curve of Ioff is steeper in between. */
+   ratio; nothing else changes. */
 static void test_bend(void) {
   response first = {.by = {{-0.1, 0.02}, {-0.8, 0.02}, {0.02, 0.02}},
-                    .slope = {-0.05, -0.4},
-                    .end = 1},
+                    .slope = -0.05},
            r = first;
   r.by[ION][BY_L] = -0.12;
-  const point from = {{60, 58}, {1, 2}};
-  const point to[] = {
-      {{64, 63}, {0.9, 0.5}}, {{50, 50}, {1.3, 7}}, {{62, 61}, {0.8, 1.5}}};
+  const point from = {60, 1};
+  const point to[] = {{64, 0.9}, {50, 1.3}, {62, 0.8}};
   for (int k = 0; k < 3; k++) {
-    double ion = (to[k].drive[ION] - 1) / (to[k].length[ION] - 60);
-    double ioff = (to[k].drive[IOFF] - 2) / (to[k].length[IOFF] - 58);
+    double now = (to[k].drive - 1) / (to[k].length - 60);
     response_bend(&r, &first, from, to[k], 1);
-    assert_near(r.by[ION][BY_L], -0.12 * ion / -0.05);
-    assert_near(first.by[ION][BY_L], -0.1 * ion / -0.05);
-    assert_near(r.by[IOFF][BY_L], -0.8 * ioff / -0.4);
+    assert_near(r.by[ION][BY_L], -0.12 * now / -0.05);
+    assert_near(first.by[ION][BY_L], -0.1 * now / -0.05);
   }
   response before = r, first_before = first;
-  const point none[] = {{{60.9, 58.9}, {0.5, 0.5}},
-                        {{64, 64}, {1.1, 2.1}},
-                        {{50, 50}, {0.9, 1.9}},
-                        {{NAN, NAN}, {NAN, NAN}}};
+  const point none[] = {{60.9, 0.5}, {64, 1.1}, {50, 0.9}, {NAN, NAN}};
   for (size_t k = 0; k < G_N_ELEMENTS(none); k++)
     response_bend(&r, &first, from, none[k], 1);
   g_assert_cmpmem(&r, sizeof r, &before, sizeof before);
   g_assert_cmpmem(&first, sizeof first, &first_before, sizeof first_before);
-}
-
-/* A strip at an end of the width has the current of its length: the response of
-   Ion to W follows, and nothing else. */
-static void test_ends(void) {
-  response first = {.by = {{-0.1, 0.02}, {-0.8, 0.02}, {0.02, 0.02}},
-                    .slope = {-0.05, -0.4},
-                    .end = 1},
-           r = first, kept = first;
-  const double ends[][2] = {{3, -2}, {8, 8}, {-INFINITY, 2}, {40, 40}};
-  const double most = tuned.trust[BY_W];
-  const double want[] = {(exp(-0.05 * 2) + exp(0.05 * 3)) / 2, exp(-0.05 * 7),
-                         most, 1 / most};
-  for (size_t k = 0; k < G_N_ELEMENTS(want); k++) {
-    response_ends(&r, &first, ends[k], 1);
-    assert_near(r.by[ION][BY_W], 0.02 * want[k]);
-    assert_near(first.by[ION][BY_W], 0.02 * want[k]);
-    kept.by[ION][BY_W] = r.by[ION][BY_W];
-    kept.end = r.end;
-    g_assert_cmpmem(&r, sizeof r, &kept, sizeof kept);
-  }
-  response_ends(&r, &first, (const double[]){NAN, 1}, 1);
-  g_assert_cmpmem(&r, sizeof r, &kept, sizeof kept);
 }
 
 /* Compute the most likely response after a noisy measurement, by adding the
@@ -253,7 +220,7 @@ static void test_learn(void) {
               random_in(0.3, 2.5) * first.by[k][1] * dx[1];
     }
     most_likely_response(&r, &first, dx, de, noise, &want);
-    response_learn(&r, &first, dx, de, noise, tuned.least_doubt);
+    response_learn(&r, &first, dx, de, noise);
     for (int m = 0; m < MOVES; m++) {
       for (int k = 0; k < ERRORS; k++) {
         g_assert_cmpfloat(fabs(r.by[k][m] / want.by[k][m] - 1), <, 1e-6);
@@ -268,7 +235,7 @@ static void test_learn(void) {
   /* Without a move the response does not change. */
   response r = first;
   const double none[MOVES] = {0, 0}, de[ERRORS] = {1, 1, 1};
-  response_learn(&r, &first, none, de, 0, tuned.least_doubt);
+  response_learn(&r, &first, none, de, 0);
   g_assert_cmpmem(r.by, sizeof r.by, first.by, sizeof first.by);
 }
 
@@ -313,7 +280,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/response/errors", test_errors);
   g_test_add_func("/response/first", test_first);
   g_test_add_func("/response/bend", test_bend);
-  g_test_add_func("/response/ends", test_ends);
   g_test_add_func("/response/learn", test_learn);
   g_test_add_func("/response/solve", test_solve);
   return g_test_run();

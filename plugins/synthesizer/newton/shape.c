@@ -123,14 +123,6 @@ int32_t width_thin_end(const eda_feedback *f, size_t i, int high, int32_t from,
   return k;
 }
 
-int width_end_lengths(const eda_feedback *f, size_t i, double off[2]) {
-  double half = f->printed->weq[i] / 2;
-  if (!f->print) return 0;
-  for (int high = 0; high < 2; high++)
-    off[high] = length_off(f, i, high ? half : -half);
-  return 1;
-}
-
 ripple ripple_of(const eda_feedback *f, size_t i, const parts *p) {
   ripple r = {.count = f->print ? SAMPLES * (p->last - p->first) : 0};
   double grid = f->gates->grid, width = f->gates->width[i];

@@ -64,10 +64,6 @@ ripple ripple_after(const parts *p, const ripple *now, const shape *from,
 int32_t width_thin_end(const eda_feedback *f, size_t i, int high, int32_t from,
                        int32_t most, double least);
 
-/* Set off[0], off[1] to printed minus drawn length at the LOW and the HIGH end
-   of the printed width, nm; see length_off. Return 0 without level sets. */
-int width_end_lengths(const eda_feedback *f, size_t i, double off[2]);
-
 /* Return log(current / current of a gate of uniform length with the same mean).
    `slope`: d log I / d L, 1/nm. */
 double ripple_excess(const ripple *r, double slope);

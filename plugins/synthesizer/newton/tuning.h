@@ -9,13 +9,14 @@
 #include <stdint.h>
 
 static const struct {
-  double thin_end[2], slope[2], gain_bound, doubt[2], least_doubt, many, ridge;
+  double thin_end[2], slope[2], gain_bound, doubt[2], least_doubt, many,
+      doubt_of_many;
   double trust[2], longest, open_step;
   double still, unforeseen, late, coupling, noise_floor;
-  double odd_limit, odd_surprise, unanswered, least_apart;
+  double odd_limit, odd_surprise, unanswered;
   double coarse, worthwhile, mean_part, patience, reserve;
   double blur, short_end, past_end, before_end;
-  double smooth, firm, local, tail, near_jog, leak, leaks, open;
+  double smooth, firm, local, tail, near_jog, leak, leaks;
   uint32_t shapes[3], settled[3], polish;
 } tuned = {
     /* ---- the first estimate of a response ---- */
@@ -35,17 +36,11 @@ static const struct {
        response changes with the mask. */
     .least_doubt = 0.15,
 
-    /* Least number of transistors of a type for which common factors of their
-       responses are fitted. */
+    /* Least number of transistors of a type for which a common factor of their
+       responses to L is fitted, and the relative uncertainty of each response
+       to L after the fit. */
     .many = 16,
-
-    /* Ridge regression of the common factors of the responses to L and W,
-       relative to the sum of squares. */
-    .ridge = 0.02,
-
-    /* nm: least distance of two points of a device curve that determine its
-       slope. Currents have a relative error of 1e-5. */
-    .least_apart = 0.05,
+    .doubt_of_many = 0.15,
 
     /* ---- moves ---- */
 
@@ -100,10 +95,9 @@ static const struct {
 
     /* ---- selection of moves ---- */
 
-    /* W corrects an error that remains after jogs if it exceeds this multiple
-       of `tolerance`. Without, some transistors between two jogs keep 0.5 % of
-       Ion. */
-    .coarse = 4,
+    /* W corrects an error that remains after jogs if it exceeds both
+       `ion_limit` and this multiple of `tolerance`. */
+    .coarse = 10,
 
     /* A move is made if the expected error is at most this fraction of the
        present error. */
@@ -160,18 +154,12 @@ static const struct {
     .leaks = 0.26,
 
     /* By target (plain, balanced, full): last iteration in which parts move,
-       and iteration after which at the latest only L moves and corrects Ion. */
+       and iteration after which only L moves and corrects Ion. */
     .shapes = {0, 2, 6},
     .settled = {0, 6, 9},
 
-    /* Largest part of the transistors with an error of log Ioff above `leaks`
-       at which Ioff is no longer corrected before iteration `settled`. */
-    .open = 0.02,
-
-    /* Number of iterations by which the end of the correction of Ioff may
-       precede `settled`, and number of iterations after it after which
-       transistors within the limit stop moving. Fewer moves disturb neighbours
-       less. */
+    /* Number of iterations after `settled` after which transistors within the
+       limit stop moving. Fewer moves disturb neighbours less. */
     .polish = 2,
 
     /* Part of `ion_limit` that is kept in reserve when the method stops, for
