@@ -24,7 +24,8 @@ typedef struct opc_registry opc_registry;
 /* Return a registry (opc_registry_free). The search order is: `folders` (of
    --plugin-path, NULL-terminated, or NULL), OPCFLOW_PLUGIN_PATH, `plugins`
    beside the executable, the user's data folder, the installed folder. The last
-   two are skipped if OPCFLOW_NO_SYSTEM_PLUGINS is set. Reads no folder. */
+   two are skipped if OPCFLOW_NO_SYSTEM_PLUGINS is set. Reads the names in the
+   folders, to find loaders, but loads no plugin. */
 opc_registry *opc_registry_new(const char *const *folders);
 
 /* Free the registry. Loaded plugins stay loaded: their threads and tables may

@@ -28,18 +28,22 @@ OPC_C_BEGIN
    1. Existing fields, functions, flags and names keep their meaning and
       position. opc_error, opc_module, opc_reals, opc_pair, opc_map,
       opc_progress and the first three fields of opc_plugin are frozen.
+
    2. A struct that ends with OPC_MAY_GROW (base.h) may get fields before that
       line. A plugin passes the size of each struct that it declares. The host
-      reads fields within that size, takes missing fields as 0, and ignores
-      unknown fields.
-   3. Structs that the host passes may be longer than the plugin's header
-   declares; no plugin copies them or makes arrays of them. A plugin tests by
-   OPC_HAS whether an older host has a field that was added to a struct with
-   `size`. 4. Functions that few plugins need are in structs that are found by
-   name,
+      reads fields within that size, and takes missing fields as 0.
+
+   3. A struct that the host passes may be longer than the plugin's header
+      declares. A plugin must not copy such a struct or make an array of it. If
+      a field was added to a struct with `size`, a plugin tests by OPC_HAS
+      whether the host, which may be older, has the field.
+
+   4. Functions that few plugins need are in structs that are found by name,
       such as "opcflow.inner/1". opc_host.service returns the structs of the
-      host, opc_plugin.extension those of the plugin. NULL: not available. If a
-      change would violate rules 1 and 2, the struct gets a new name.
+      host, opc_plugin.extension those of the plugin; both return NULL for an
+      unknown name. A struct that must change against rules 1 and 2 gets a new
+      name.
+
    5. The functions of a kind of plugins (kind.h) follow rules 1 and 2. A plugin
       must have the functions of the first version of its kind. */
 #define OPC_ABI_MAJOR 0u
@@ -64,7 +68,7 @@ enum {
   OPC_CHOICE = 5, /* one word of `choices`  int, its index       -1 */
   OPC_FILE = 6,   /* a file that exists; relative to the flow file
                                             const char *, path   NULL */
-  OPC_OUTPUT = 7, /* a file's name inside the run folder, for
+  OPC_OUTPUT = 7, /* name of a file to write in the run folder, for
                      opc_host.output_path   const char *         NULL */
   OPC_REALS = 8,  /* [1 nm, 2 nm]           opc_reals            NULL, 0 */
   OPC_MAP = 9,    /* { poly: 9/0, ... }; `choices` lists the allowed keys,
@@ -103,7 +107,8 @@ enum {
   OPC_MAP_OF_ANY = 1 << 6, /* for an OPC_MAP: values may also be lists and maps;
                               the plugin receives the text of each value, as
                               written in a flow on one line */
-  OPC_INNER_FLOW = 1 << 7, /* for an OPC_FILE: names the inner flow; inner.h */
+  OPC_INNER_FLOW = 1 << 7, /* for an OPC_FILE: the file is a flow that the step
+                              runs, its inner flow; inner.h */
   OPC_INNER_AXIS = 1 << 8, /* for an OPC_MAP with OPC_MAP_OF_ANY: each value is
                               a layer of changes to the inner flow; the flow may
                               write a list instead of a map; inner.h */
@@ -202,9 +207,9 @@ typedef struct opc_column {
 } opc_column;
 
 /* Functions of the host. Each instance has its own opc_host, valid from before
-   `check` until after `clear`, and passes a pointer to this opc_host as the
-   first argument of every function. The functions are [any] unless stated
-   otherwise. */
+   `check` until after `clear`. The first argument of every function is a
+   pointer to the opc_host of the calling instance. The functions are [any]
+   unless stated otherwise. */
 typedef struct opc_host opc_host;
 struct opc_host {
   size_t size;                /* size of this struct */
@@ -216,22 +221,28 @@ struct opc_host {
       OPC_PRINTF(3, 4);
   void (*progress)(const opc_host *host, const opc_progress *progress);
 
-  /* Publish a table: the host writes NAME.csv in the run folder, and prints the
-     table if OPC_TABLE_PRINT is set. `column_size` is sizeof(opc_column) in the
-     plugin, passed by opc_put_table and opc_put_rows (table.h). Returns 0, or
-     an error code with *error filled. [main], while a step runs. */
+  /* Publish a table; `name` has no '/'. The host writes NAME.csv in the run
+     folder, or STEP.NAME.csv if another step has written NAME.csv. It prints
+     the table if OPC_TABLE_PRINT is set. The host copies all data.
+     `column_size` is sizeof(opc_column) in the plugin, passed by opc_put_table
+     and opc_put_rows (table.h). Returns 0, or an error code with *error filled;
+     the step then fails even if the plugin continues. [main], while a step
+     runs. */
   int (*table)(const opc_host *host, const char *name, uint32_t flags,
                size_t rows, const opc_column *columns, size_t n_columns,
                size_t column_size, opc_error *error);
 
-  /* Publish the value of a declared metric. Returns 0, or an error code with
-   *error filled. [main] */
+  /* Publish the value of a declared metric; a later call replaces the value.
+     Returns 0, or OPC_FAILED and *error if the plugin does not declare `name`
+     or the value is not finite. The step then fails even if the plugin
+     continues. [main] */
   int (*metric)(const opc_host *host, const char *name, double value,
                 opc_error *error);
 
   /* Return the path at which to write the output file `name`, a path relative
      to the run folder. The path is valid as long as the instance. Returns NULL
-     and fills *error if `name` is outside the run folder or already in use.
+     and fills *error if `name` is outside the run folder or already in use, or
+     if no step runs; a running step then fails even if the plugin continues.
      [main], while a step runs. */
   const char *(*output_path)(const opc_host *host, const char *name,
                              opc_error *error);

@@ -18,15 +18,18 @@ typedef struct opc_results {
 
   /* Return a hash (SHA-256, hexadecimal) of the plugin in `slot`, or of this
      plugin for NULL. The hash covers build, parameters, contents of files, and
-     slots, but no inputs. The text is valid as long as the instance. Returns
-     NULL and fills *error if a file cannot be read, or if the plugin in `slot`,
-     or a plugin in one of its slots, has an input ('${gates}'). */
+     slots, but no inputs. The text is valid as long as the instance. "" for an
+     empty slot. Returns NULL and fills *error in four cases: `slot` is not a
+     slot of this plugin; a file cannot be read; a plugin is not
+     OPC_DETERMINISTIC; a plugin in a slot, at any depth, has an input
+     ('${gates}'). */
   const char *(*identity)(const opc_host *host, const char *slot,
                           opc_error *error);
 
-  /* Return a copy of the bytes stored under `key`, to be freed by free(); NULL
-     if nothing is stored. `key` is any text that identifies the dependencies of
-     the result; the host adds the id and the build of the plugin. */
+  /* Return a copy of the bytes stored under `key`, to be freed by free(), and
+     their number in *size; NULL if nothing is stored. `key` is any text that
+     identifies the dependencies of the result; the host adds the id and the
+     build of the plugin. */
   void *(*find)(const opc_host *host, const char *key, size_t *size);
 
   /* Store bytes under `key` and replace those stored before. If this fails, the

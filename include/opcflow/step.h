@@ -29,7 +29,7 @@ typedef struct opc_port {
 typedef struct opc_forecast {
   double memory;  /* peak memory without the inputs, bytes; 0: unknown. Estimate
                      low rather than high: the host refuses a step that needs
-                     more memory than the machine has */
+                     more memory than is available */
   char work[200]; /* "at least 36 simulations of 2048 x 1024 points" */
   char help[200]; /* how to reduce the cost: "a smaller 'na'" */
   OPC_MAY_GROW

@@ -25,8 +25,8 @@ OPC_EXPORT opc_module *opc_test_module(const char *id, const char *mapping,
                                        opc_error *error);
 OPC_EXPORT void opc_test_module_free(opc_module *module);
 
-/* Set the object of an OPC_INPUT. Aborts if the plugin has no input of that
-   name. */
+/* Set the object of an OPC_INPUT, which the caller owns. Aborts if the plugin
+   has no input of that name. */
 OPC_EXPORT void opc_test_input(opc_module *module, const char *name,
                                void *object);
 

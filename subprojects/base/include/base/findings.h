@@ -11,10 +11,10 @@ typedef struct opc_finding {
   char *text;
 } opc_finding;
 
-/* Distinct findings. At most 100 are kept; further ones are counted. */
+/* The first 100 distinct findings, and the number of further ones. */
 typedef struct opc_findings {
   GPtrArray *list; /* opc_finding * */
-  size_t more;     /* number of findings not kept */
+  size_t more;     /* number of findings not kept, repetitions included */
 } opc_findings;
 
 void opc_findings_init(opc_findings *findings);

@@ -13,13 +13,15 @@ typedef struct opc_values {
 void opc_values_init(opc_values *v);
 void opc_values_clear(opc_values *v);
 
-/* Remove values that match a pattern. `files`: match names without folders. */
+/* Remove the texts that match a pattern (fnmatch); other values stay. `files`:
+   match names without folders. */
 void opc_values_remove(opc_values *v, const char *pattern, gboolean files);
 
-/* Add the values that match the pattern of a node. opc_match_files: all
-   matching files. opc_pair_file: the file with `star` in place of the star of
-   the pattern. opc_match_choices: the matching entries of `list` (char *). If
-   nothing matches, add a problem and return FALSE. */
+/* Add the values that match the pattern of a node. opc_match_files: the
+   absolute paths of all matching files. opc_pair_file: the absolute path of the
+   file with `star` in place of each star of the pattern. opc_match_choices: the
+   matching entries of `list` (char *). If nothing matches, add a problem and
+   return FALSE. */
 gboolean opc_match_files(const opc_node *node, opc_values *out,
                          opc_problems *problems);
 gboolean opc_pair_file(const opc_node *node, const char *star, opc_values *out,
@@ -28,12 +30,14 @@ gboolean opc_match_choices(const opc_node *node, const GPtrArray *list,
                            opc_values *out, opc_problems *problems);
 
 /* opc_label: return a label for a value: the name of a file without folder and
-   extension, or the text; "" for other values. The label of a map with `use`
-   consists of the labels of its file names and words. Without a file name, the
-   label is the last part of the plugin's id.
-   opc_label_of_map: return the label of the first text in a map, otherwise of
-   the first value that has a label. The caller frees both with g_free().
-   opc_label_add: append a label unless it equals the last label of `to`. */
+   extension, or the text; "" for other values. Characters other than letters,
+   digits, '_', '-' and '.' are removed. The label of a map with `use` consists
+   of the labels of its file names and words. Without a file name, the label is
+   the last part of the plugin's id. opc_label_of_map: return the label of the
+   first text in a map, otherwise of the first value that has a label. The
+   caller frees both with g_free(). opc_label_add: append '-' and a label to
+   `to`, unless the label is empty or equals the whole text of `to`; the first
+   label has no '-'. */
 char *opc_label(const opc_node *value);
 char *opc_label_of_map(const opc_node *map);
 void opc_label_add(GString *to, const char *label);

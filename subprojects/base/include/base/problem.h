@@ -27,8 +27,10 @@ opc_problems *opc_problems_new(void);
 void opc_problems_free(opc_problems *problems);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_problems, opc_problems_free)
 
-/* Add a copy of a problem and return FALSE. `place` NULL: no file. Long
-   messages are truncated. Only the first 1000 problems are kept. */
+/* Add a copy of a problem and return FALSE. `place` NULL: no file. Unprintable
+   characters are written as escapes, and messages of more than 1000 bytes are
+   truncated. Only the first 999 problems are kept; the next one is replaced by
+   "further problems are not listed", and later ones are dropped. */
 gboolean opc_problem_add(opc_problems *problems, int code,
                          const opc_place *place, const char *format, ...)
     OPC_PRINTF(4, 5);
@@ -47,11 +49,11 @@ char *opc_place_text(const opc_place *place);
 /* Sort by place. Files are in the order of their first problems. */
 void opc_problems_sort(opc_problems *problems);
 
-/* Return "file:line:column: message" (g_free). */
+/* Return "file:line:column: message", "file: message" or "message" (g_free). */
 char *opc_problem_text(const opc_problem *problem);
 
-/* Return all problems, sorted, one a line, without a final newline; "" for none
-   (g_free). */
+/* Sort the problems and return them, one a line, without a final newline; ""
+   for none (g_free). */
 char *opc_problems_text(opc_problems *problems);
 
 /* Return the common code of all problems; OPC_INVALID if the codes differ,
@@ -59,5 +61,6 @@ char *opc_problems_text(opc_problems *problems);
 int opc_problems_code(const opc_problems *problems);
 
 /* Sort the problems, fill *error with the first problem and the number of
-   further problems, and return the code of *error. */
+   further problems, and return opc_problems_code. Without problems, return
+   OPC_OK and leave *error unchanged. */
 int opc_problems_error(opc_problems *problems, opc_error *error);

@@ -16,12 +16,13 @@ opc_sheet *opc_sheet_new(size_t columns);
 void opc_sheet_free(opc_sheet *sheet);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_sheet, opc_sheet_free)
 
-/* Return a text with aligned columns (g_free); numbers are right-aligned. If
-   the table is wider than `width` characters, each column whose cells are all
-   equal is printed only once, in a last line. If the remaining columns are too
-   wide, a table of few rows is transposed; other tables are split into blocks
-   of columns, each with the columns that identify a row. Width 0: one line a
-   row. Line breaks and tabs become blanks. */
+/* Return a text with aligned columns (g_free); numbers are right-aligned. The
+   following applies to a table that is wider than `width` characters. Columns
+   with equal cells in all of two or more rows are printed only once, below the
+   table. If the remaining columns are too wide, a table with fewer rows than
+   columns is transposed, if that fits. Other tables are split into blocks of
+   columns, each with the columns that identify a row. Width 0: one line a row.
+   Line breaks and tabs become blanks. */
 char *opc_sheet_text(opc_sheet *sheet, size_t width);
 
 /* Return a table in Markdown (g_free); line breaks in cells become blanks. */
@@ -29,10 +30,11 @@ char *opc_sheet_markdown(opc_sheet *sheet);
 
 /* Return CSV by RFC 4180, with lines that end with CR LF (g_free).
 
-   A cell is marked by an apostrophe if a spreadsheet would execute it
-   (first character = + - @, except quantities), if it begins with an
-   apostrophe, or if it contains control characters. In a marked cell, a
-   backslash is written twice, and a control character as a backslash and xHH.
+   An apostrophe marks a cell that a spreadsheet would execute: the first
+   character is one of = + - @ and the cell is not a quantity. It also marks a
+   cell that begins with an apostrophe or has control characters other than line
+   breaks. In a marked cell, a backslash is written twice, and a control
+   character as a backslash and xHH.
  */
 char *opc_sheet_csv(const opc_sheet *sheet);
 

@@ -11,13 +11,16 @@ unsigned opc_edit_distance(const char *a, const char *b);
 
 /* Return the first of the nearest `words` (const char *) by edit distance;
    words that differ only in case are equal. NULL if the distance exceeds a
-   third of the word's length, or 1 for words of fewer than six bytes. */
+   third of the word's length (1 for words of fewer than six bytes), or if no
+   letter is common. */
 const char *opc_nearest(const char *word, const GPtrArray *words);
 
-/* Return ", did you mean 'x'?" or "" (g_free) for an id. For an id of two words
-   and a dot, x is the id with swapped words, else the nearest id with the same
-   last word. For a word without a dot, x is the nearest id, else an id whose
-   last word is nearest. "Nearest" has the limits of opc_nearest. */
+/* Return ", did you mean 'x'?" or "" (g_free) for an id. For an id with a dot,
+   x is the id with both parts swapped; else the id with the same text after the
+   first dot and the smallest edit distance, of any size; else the id that
+   opc_nearest returns. For a word without a dot, x is the id that opc_nearest
+   returns, else the first id whose last word is the one that opc_nearest
+   returns. */
 char *opc_suggestion_of_id(const char *id, const GPtrArray *ids);
 
 /* Return ", did you mean 'x'?" or "" (g_free). */

@@ -25,10 +25,10 @@ GPtrArray *opc_unit_names(void);
 size_t opc_number_length(const char *text);
 
 /* Return the number written in `length` bytes at `text` in the unit `from`,
-   converted to the unit `to` of the same dimension (both NULL: unchanged). The
-   result is rounded only once: for a factor that is a power of ten, the
-   exponent in the text is changed before the text is converted. Return
-   +-HUGE_VAL on overflow. */
+   converted to the unit `to` of the same dimension. If one of the units is
+   NULL, the number is not converted. For a factor that is a power of ten, the
+   result is rounded only once, because the exponent in the text is changed
+   before the text is converted. Return +-HUGE_VAL on overflow. */
 double opc_number_in(const char *text, size_t length, const opc_unit *from,
                      const opc_unit *to);
 
@@ -36,7 +36,7 @@ double opc_number_in(const char *text, size_t length, const opc_unit *from,
 char *opc_number_text(double number);
 
 /* Return the number with `decimals` decimals, at most 20, or with all digits if
-   `decimals` is negative; "" for NAN (g_free). */
+   `decimals` is negative; "" for NAN, "inf" or "-inf" for infinity (g_free). */
 char *opc_number_fixed(double number, int decimals);
 
 /* Return the number with six significant digits; an integer with all digits

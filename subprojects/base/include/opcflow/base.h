@@ -44,7 +44,7 @@ enum {
   OPC_IO = 3,        /* a file could not be read or written: exit 5 */
   OPC_NO_PLUGIN = 4, /* a plugin is missing or incompatible: exit 3 */
   OPC_LIMIT = 5,     /* a required limit is exceeded: exit 1 */
-  OPC_CANCELLED = 6  /* stopped by the user: exit 4 */
+  OPC_CANCELLED = 6  /* stopped by the user: exit 130 */
 };
 
 /* Description of a failure. A function that can fail returns one of the codes

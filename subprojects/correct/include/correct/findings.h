@@ -7,8 +7,10 @@
 
 #include <correct/guard.h>
 
-/* Warn of drawn gates that are longer than wide, or whose length is near or
-   beyond an end of the device table. Prepare the extractor before the call. */
+/* Warn if most drawn gates are longer than wide and have more different lengths
+   than widths, which suggests exchanged layers. Warn if lengths are near or
+   beyond an end of the device table, except those of gates with a flavour.
+   Prepare the extractor before the call. */
 OPC_EXPORT void correct_findings_of_drawing(const opc_host *host,
                                             const eda_gates *gates,
                                             const opc_module *extractor);

@@ -77,8 +77,9 @@ OPC_EXPORT void correct_guard_watch(struct loop *loop);
 OPC_EXPORT double correct_guard_off(const struct loop *loop, size_t gate);
 
 /* Revert worse transistors step by step, and simulate after each step, until no
-   transistor is worse or no step remains. Then count reverted and worse
-   transistors. Returns OPC_CANCELLED if the run was stopped. */
+   transistor is worse or no step remains. After 30 simulations, revert the
+   whole mask. Then count reverted and worse transistors. Returns OPC_CANCELLED
+   if the run was stopped. */
 OPC_EXPORT int correct_guard_hold(struct loop *loop, opc_error *error);
 /* Count reverted and worse transistors without a change of the mask. */
 OPC_EXPORT void correct_guard_count(struct loop *loop);

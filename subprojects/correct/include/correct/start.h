@@ -17,13 +17,14 @@ typedef struct loop_start {
   double max_diff;
 } loop_start;
 
-/* Return OPC_INVALID if the mask belongs to other gates or has no
-   displacements, or if max_diff is set without a mask. */
+/* Return OPC_INVALID if the mask is by classes, belongs to other gates or has
+   no displacements, or if max_diff is set without a mask. */
 OPC_EXPORT int correct_start_check(const loop_start *start,
                                    const eda_gates *gates, opc_error *error);
 
 /* Select the transistors that keep their masks (loop.still) after the first
-   simulation. */
+   simulation, and publish the number of the others as the metric "refined".
+   Without `max_diff` do nothing. */
 OPC_EXPORT int correct_start_hold(struct loop *loop, opc_error *error);
 
 /* Remove the shapes that the earlier regulator added or cut out near violations

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Verification, by accurate simulations, of a correction that uses fast
-   simulations. ¶ The first displaced mask is simulated with both models. The
-   difference of the accurate and the fast image is added to the images of all
-   later fast simulations and to the image of the drawn mask. When the
-   synthesizers have finished, the final mask is simulated with the accurate
-   model. If its figures differ too much from those of the fast simulation, the
-   difference is updated and the loop continues. */
+   simulations.
+
+   The first displaced mask is simulated with both models. The difference of the
+   accurate and the fast image is added to the images of all later fast
+   simulations and to the image of the drawn mask. When the synthesizers have
+   finished, the final mask is simulated with the accurate model. If its figures
+   differ too much from those of the fast simulation, the difference is updated
+   and the loop continues. */
 #pragma once
 
 #include <eda/print.h>

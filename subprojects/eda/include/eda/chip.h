@@ -74,9 +74,10 @@ OPC_EXPORT int eda_chip_check(const eda_chip *chip, opc_error *error);
    gates of an empty chip have its layers. [main] */
 OPC_EXPORT eda_mask *eda_chip_mask_new(eda_chip *chip);
 
-/* Read a mask by classes that eda_mask_save wrote. The mask owns the chip,
-   which has layout, grid, extent and layers, but no transistors. Errors as of
-   eda_mask_restore. [main] */
+/* Read a mask by classes that eda_mask_save wrote. The chip has layout, grid,
+   extent and layers, but no transistors. On success the mask owns the chip. On
+   failure *mask is unchanged and the chip freed, or *mask owns the chip and the
+   caller frees *mask. Errors as of eda_mask_restore. [main] */
 OPC_EXPORT int eda_chip_mask_restore(eda_chip *chip, const char *folder,
                                      void **mask, opc_error *error);
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* CSV files written by users: a line of column names in any order, each with an
-   optional unit in brackets, then one row per line. Empty lines and lines that
-   begin with # are skipped; blanks around a field are ignored. Errors name the
-   place as file:line:column. */
+   optional unit in brackets, then one row per line. Blank lines and lines that
+   begin with # are skipped; blanks around a field are ignored. Fields have no
+   quotes and no commas. Missing fields at the end of a row are empty. Errors
+   name the place as file:line:column. */
 #pragma once
 
 #include <eda/devices.h>
@@ -24,8 +25,9 @@ enum {
 typedef struct eda_csv eda_csv;
 
 /* Read a file of up to 64 MB. Return the table, or NULL and *error, which names
-   `parameter`. columns[n] must outlive the table. In the functions below,
-   `column` is an index into this array. */
+   `parameter`: OPC_IO if the file cannot be read, else OPC_INVALID. columns[n]
+   must outlive the table. In the functions below, `column` is an index into
+   this array. */
 OPC_EXPORT eda_csv *eda_csv_read(const char *path, const char *parameter,
                                  const eda_csv_column *columns, size_t n,
                                  uint32_t flags, opc_error *error);

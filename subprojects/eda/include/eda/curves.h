@@ -60,19 +60,23 @@ OPC_EXPORT void eda_curves_clear(eda_curves *curves);
 OPC_EXPORT const eda_curves *eda_curves_of(const eda_curves *curves,
                                            const char *flavour);
 
-/* Return the natural logarithm of the current per width, A/nm, at a length, nm.
-   `current` is EDA_ION or EDA_IOFF. */
+/* Return the natural logarithm of the current per width, A/nm, of a wide
+   transistor at a length, nm. `current` is EDA_ION or EDA_IOFF. */
 OPC_EXPORT double eda_curves_at(const eda_curves *curves, int type, int current,
                                 double length);
-/* Return the length whose current per width has this logarithm. */
+/* Return the length at which the current per width of a wide transistor has
+   this logarithm. */
 OPC_EXPORT double eda_curves_length(const eda_curves *curves, int type,
                                     int current, double logarithm);
 
+/* Return a width, nm, with its position among the widths of the table. Above
+   the widest width, and in a table of one width, is_wide is 1. Below the
+   narrowest width, the position is that of the narrowest width. */
 OPC_EXPORT eda_curves_width eda_curves_among(const eda_curves *curves,
                                              double width);
 /* Return the same as eda_curves_at and eda_curves_length, for the width from
    eda_curves_among. If several lengths have the same current, return the length
-   nearest to `near`, nm. If no length near `near` has the current, return
+   nearest to `near`, nm; if none of them is within 200 nm of `near`, return
    `near`. */
 OPC_EXPORT double eda_curves_narrow_at(const eda_curves *curves, int type,
                                        int current, double length,
@@ -81,8 +85,10 @@ OPC_EXPORT double eda_curves_narrow_length(const eda_curves *curves, int type,
                                            int current, double logarithm,
                                            const eda_curves_width *width,
                                            double near);
-/* Return the minimum, over all lengths, of the current per width of a
-   transistor of this width divided by that of a wide transistor; at most 1. */
+/* Return the minimum, over the lengths of the table, of the current per width
+   of a transistor of this width divided by that of a wide transistor; at most
+   1. Between two widths of the table, the minima are interpolated linearly in 1
+   / W. */
 OPC_EXPORT double eda_curves_least_share(const eda_curves *curves, int type,
                                          int current,
                                          const eda_curves_width *width);

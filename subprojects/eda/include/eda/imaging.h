@@ -175,8 +175,9 @@ OPC_EXPORT void eda_field_gradient(const eda_field *field, const double *x,
                                    const double *y, size_t n, double *value,
                                    double *dx, double *dy);
 
-/* The next four functions work in place. They return OPC_INVALID and leave the
-   field unchanged if `sigma` < 0 or not finite, or `step` <= 0 or too small.
+/* The next four functions work in place. The first two return OPC_INVALID and
+   leave the field unchanged if `sigma` < 0 or not finite, or `step` <= 0 or too
+   small.
 
    Convolve a field with a Gaussian of standard deviation `sigma` (nm, 0: no
    change) in both directions, with periodic wrap-around. */

@@ -42,9 +42,10 @@ typedef struct eda_flat_texts {
 /* Cells and layers have names, and numbers from 0 in order of creation.
    Functions that change a layout are [main]; the others are [any] while no
    function changes the layout. Returned pointers belong to the layout.
-   Coordinates are in database units. Functions that return int32_t return -1
-   and *error on failure; the code for a missing cell or layer is
-   OPC_INVALID. */
+   Coordinates are in database units. Functions with an argument `error` that
+   return int32_t return -1 and *error on failure. Errors: OPC_INVALID for a
+   missing cell or layer and for invalid arguments; OPC_FAILED if the layout has
+   too many cells, layers, points or texts. */
 
 /* Return an empty layout with `unit` > 0 nm per database unit; NULL and *error
    on failure. Readers scale a layout by `unit`, without rounding. */
@@ -57,8 +58,8 @@ OPC_EXPORT int32_t eda_layout_cell(eda_layout *layout, const char *name,
 OPC_EXPORT int32_t eda_layout_layer(eda_layout *layout, const char *name,
                                     opc_error *error);
 
-/* Add a polygon of n >= 3 points, which are copied; add a box, which may have
-   no area (x0 <= x1, y0 <= y1). */
+/* Add a polygon of n >= 3 points, which are copied; a rectangle is stored as a
+   box. Add a box, which may have no area (x0 <= x1, y0 <= y1). */
 OPC_EXPORT int eda_layout_add_polygon(eda_layout *layout, int32_t cell,
                                       int32_t layer, const eda_point *points,
                                       size_t n, opc_error *error);
@@ -176,10 +177,11 @@ OPC_EXPORT const char *eda_layout_instance(const eda_layout *layout,
                                            eda_placement *placement);
 
 /* Flatten the shapes of a layer in `cell` and all cells below. A coordinate x
-   becomes floor(x * unit / grid + 1/2), `grid` in nm. Return OPC_INVALID for
-   more than 2^28 shapes, more than 8 placements per shape plus 2^19,
-   coordinates beyond 2^30, and cycles of cells. The caller clears *out, which
-   is empty on failure. */
+   becomes floor(x * unit / grid + 1/2), `grid` in nm; a value less than 1e-6
+   below a half is also rounded up. Return OPC_INVALID for more than 2^28 shapes
+   or 2^30 points, more than 8 placements per shape plus 2^19, coordinates
+   beyond 2^30, a grid that is not above 0, and cycles of cells. The caller
+   clears *out, which is empty on failure. */
 OPC_EXPORT int eda_layout_flatten(const eda_layout *layout, int32_t cell,
                                   int32_t layer, double grid, eda_flat *out,
                                   opc_error *error);

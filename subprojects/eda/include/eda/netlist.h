@@ -188,7 +188,8 @@ typedef struct eda_annotated {
 /* Return the text of a .model card for each changed DLC and of one .subckt with
    the circuit's name and ports. In names, '.' replaces '/'; names of fingers
    after the first end in _f2, _f3 ... Free the text with free(). Return NULL
-   and *error (OPC_FAILED) if a gate has no size. `counts` may be NULL. [any] */
+   and *error (OPC_FAILED) if a gate does not print or has no valid size.
+   `counts` may be NULL. [any] */
 OPC_EXPORT char *eda_annotate(const eda_annotation *a, eda_annotated *counts,
                               opc_error *error);
 

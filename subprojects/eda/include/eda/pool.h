@@ -43,6 +43,7 @@ OPC_EXPORT uint32_t *eda_names_add(eda_names *names, const char *key);
 
 /* Return a hash of a name; upper and lower case are equal. */
 OPC_EXPORT uint64_t eda_name_hash(const char *name);
+/* Return 1 if two names are equal apart from case, otherwise 0. */
 OPC_EXPORT int eda_same_name(const char *a, const char *b);
 /* Return 1 if a list separated by blanks or commas (NULL: empty) contains the
    name, otherwise 0. */

@@ -85,16 +85,16 @@ OPC_EXPORT void eda_printer_clear(eda_printer *printer);
 /* Prepare both models. Errors name the parameter "litho" or "resist". [main] */
 OPC_EXPORT int eda_printer_prepare(eda_printer *printer, opc_error *error);
 
-/* Estimate the memory to simulate `layers` layers at once,
-   without existing level sets: size of each Fourier transform, and bytes. May
-   be called before eda_printer_prepare; all 0 if the model's band is unknown.
-   [any] */
+/* Estimate the memory of simulating `layers` layers at once, without the level
+   sets that already exist: the size of each Fourier transform, and bytes. May
+   be called before eda_printer_prepare; all figures are 0 if the model's band
+   is unknown. [any] */
 OPC_EXPORT eda_image_size eda_printer_forecast(const eda_printer *printer,
                                                size_t layers);
 
-/* Single steps of a simulation: compute the spectrum of a mask (merged), the
-   input of the image functions of printer->litho; and convert an intensity, in
-   place, to the level set. [any] */
+/* eda_printer_spectrum: compute the spectrum of a mask (merged), the input of
+   the image functions of printer->litho. eda_printer_develop: convert an
+   intensity, in place, to the level set. [any] */
 OPC_EXPORT int eda_printer_spectrum(const eda_printer *printer,
                                     const eda_shapes *mask, eda_spectrum *out,
                                     opc_error *error);
@@ -120,7 +120,8 @@ OPC_EXPORT int eda_printer_correct(const eda_printer *printer, int layer,
                                    eda_field *image, opc_error *error);
 
 /* Compute the level set of a layer at `factor` times the dose from `image` of
-   the last simulation. The caller clears *out. [any] */
+   the last simulation, which exists if `fine` > 0 or `keeps` is 1. The caller
+   clears *out. [any] */
 OPC_EXPORT int eda_printer_at_dose(const eda_printer *printer, int layer,
                                    double factor, eda_field *out,
                                    opc_error *error);

@@ -16,8 +16,9 @@ OPC_C_BEGIN
 typedef struct eda_table eda_table;
 
 /* Read a table from a file of up to 1 GB. Return NULL and *error on failure:
-   OPC_IO if the file cannot be read; OPC_INVALID with file:line:column if it is
-   malformed. Each row must have as many fields as the first line. */
+   OPC_IO if the file cannot be read; OPC_INVALID if it is larger or not UTF-8,
+   and with file:line:column if it is malformed. Each row must have as many
+   fields as the first line. */
 OPC_EXPORT eda_table *eda_table_read(const char *path, opc_error *error);
 OPC_EXPORT void eda_table_free(eda_table *table);
 
@@ -37,7 +38,7 @@ OPC_EXPORT const char *eda_table_text(const eda_table *table, size_t row,
 
 /* Return the numbers of a column, one for each row, owned by the table; NAN for
    an empty field, infinity for "inf" or "-inf". Return NULL if a field is not a
-   number or all fields are empty. */
+   number, if all fields are empty, or if there are no rows. */
 OPC_EXPORT const double *eda_table_numbers(eda_table *table, size_t column);
 
 /* Fill *error with "path:line: column 'name': what 'field'" and return
@@ -166,9 +167,9 @@ typedef struct eda_run_cases eda_run_cases;
 /* Return 1 if a folder contains an experiment, otherwise 0. [any] */
 OPC_EXPORT int eda_run_is_experiment(const char *folder);
 
-/* Read the table of an experiment. Return NULL and *error as in eda_table_read,
-   also if a run folder is outside the experiment or a case has a method twice.
-   [any] */
+/* Read the table of an experiment. Return NULL and *error as in eda_table_read.
+   OPC_INVALID also if a case or method has no name, if a run folder is outside
+   the experiment, or if a case has a method twice. [any] */
 OPC_EXPORT eda_run_cases *eda_run_cases_open(const char *folder,
                                              opc_error *error);
 OPC_EXPORT void eda_run_cases_free(eda_run_cases *cases);

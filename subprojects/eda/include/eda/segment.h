@@ -53,17 +53,21 @@ typedef struct eda_segment_report {
 OPC_EXPORT int32_t eda_segment_top(const eda_layout *layout, const char *name,
                                    opc_error *error);
 
-/* Check the settings. Return OPC_INVALID with an error of the parameter
-   "also.NAME" if the name of a further layer is not a word, or a name or layer
-   occurs twice; of "flavours.NAME" if a flavour has no marker layer. [any] */
+/* Check the settings. The names of further layers consist of letters, digits
+   and '_' and do not end in "_drawn"; no name and no layer occurs twice.
+   Otherwise return OPC_INVALID with an error of the parameter "also.NAME".
+   Return OPC_INVALID with an error of "flavours.NAME" if a flavour has no
+   marker layer. [any] */
 OPC_EXPORT int eda_segment_check(const eda_segment_settings *settings,
                                  opc_error *error);
 
 /* Segment the layout of a cell. Used layers: poly, active, contact, nwell,
-   pwell, nimplant, pimplant, notes, further layers and markers of flavours. The
-   caller frees *gates, NULL on failure. Return OPC_INVALID for missing layers
-   and for a crossing of poly and active that is not a transistor (error with
-   its position). [any] */
+   pwell, nimplant, pimplant, notes, further layers and markers of flavours;
+   only poly, active and further layers must exist. The caller frees *gates,
+   NULL on failure. Return OPC_INVALID for a missing layer, for an empty further
+   layer, and if poly and active do not overlap. Return OPC_INVALID and the
+   position for a crossing of poly and active that is not a transistor. Return
+   OPC_CANCELLED if the user stops the run. [any] */
 OPC_EXPORT int eda_segment(const opc_context *context, const eda_layout *layout,
                            int32_t top, const eda_segment_settings *settings,
                            eda_gates **gates, eda_segment_report *report,
@@ -73,14 +77,16 @@ OPC_EXPORT int eda_segment(const opc_context *context, const eda_layout *layout,
    edges are fixed, and clipped gates are no transistors. The other gates and
    fragments equal those of the whole layout, except near the border
    (eda_segment_halo). The layers are those of the whole layout. The window may
-   contain no shapes; then gates->extent is the window. [any] */
+   contain no shapes; gates->extent is then the part of the window within the
+   bounds of the layout. [any] */
 OPC_EXPORT int eda_segment_window(const eda_layout *layout, int32_t top,
                                   const eda_segment_settings *settings,
                                   const eda_box *window, eda_gates **gates,
                                   opc_error *error);
 
-/* Return the width, grid units, of the margin of a window inside which results
-   equal those of the whole layout, except for clipped transistors. [any] */
+/* Return a width, grid units. At more than this distance from the border of a
+   window, results equal those of the whole layout, except for clipped
+   transistors. [any] */
 OPC_EXPORT int32_t eda_segment_halo(const eda_segment_settings *settings);
 
 /* Segment a window of `core` and a margin of max(`halo`, eda_segment_halo) grid
@@ -99,7 +105,8 @@ OPC_EXPORT int eda_segment_edges(const eda_layout *layout, int32_t top,
                                  int32_t layer, double grid, eda_gates **gates,
                                  size_t *moved, opc_error *error);
 
-/* Return an upper bound of the memory of eda_segment, bytes. [any] */
+/* Estimate the memory of eda_segment, bytes: that of the flat layers, and as
+   much for the merged layers. [any] */
 OPC_EXPORT double eda_segment_bytes(const eda_layout *layout, int32_t top,
                                     const eda_segment_settings *settings);
 

@@ -31,10 +31,10 @@ typedef struct eda_spice_result {
    Return OPC_INVALID and FILE:LINE:COLUMN, FILE being "deck" for the deck, if
    the deck or an included file contains a statement that does not describe a
    circuit (simulator/README.md); OPC_FAILED and the first message of the
-   simulator if the simulator fails, crashes or takes longer than `limit`
-   seconds; OPC_NO_PLUGIN if the library of ngspice or the program that loads it
-   is not installed. Several runs may be active at once. [any]: see
-   opcflow/plugin.h.
+   simulator if the simulator fails, crashes, takes longer than `limit` seconds
+   or returns more than 2 GB; OPC_CANCELLED if the user stops the run;
+   OPC_NO_PLUGIN if the library of ngspice or the program that loads it is not
+   installed. Several runs may be active at once. [any]: see opcflow/plugin.h.
 
    `.osdi FILE` in the deck itself, before the devices that need it, loads a
    file of compiled models. The file is a shared object (Open Source Device
@@ -45,9 +45,10 @@ typedef struct eda_spice_result {
    names into commands. The simulator process cannot open or write files or
    start programs. File names in a deck are absolute; included files are in the
    folder of the including file. Start-up files of ngspice are not read. The
-   caller clears `out`, also after a failure, when `out` contains the plots of
-   earlier commands and the output. The environment variable OPCFLOW_NGSPICE
-   replaces libngspice.so.0, OPCFLOW_SIMULATOR the program that loads it. */
+   caller clears `out`, also after a failure; `out` then contains the output,
+   and the plots of the commands before the failed one. The environment variable
+   OPCFLOW_NGSPICE replaces libngspice.so.0, OPCFLOW_SIMULATOR the program that
+   loads it. */
 OPC_EXPORT int eda_spice_run(const opc_context *context, const char *deck,
                              const char *commands, double limit,
                              eda_spice_result *out, opc_error *error);

@@ -10,10 +10,11 @@
 enum { CHILD_ENDED = 0, CHILD_LATE = -1, CHILD_NONE = -2 };
 
 /* Call work(out, data) in a child of this process, without the guard. The child
-   is killed (CHILD_LATE) after `seconds` without output. Time without a free
-   processor does not count, up to 2 * `seconds`. The child ends when this
-   process ends. Return the bytes written to `out`. *end receives CHILD_* or the
-   number of a signal; errno has the cause of CHILD_NONE. */
+   is killed (CHILD_LATE) after `seconds` without output, or after 1 MB of
+   output. Time without a free processor does not count, up to 2 * `seconds`.
+   The child ends when this process ends. Return the bytes written to `out`.
+   *end receives CHILD_* or the number of a signal; errno has the cause of
+   CHILD_NONE. */
 GString *child_run(void (*work)(int out, void *data), void *data,
                    double seconds, int *end);
 

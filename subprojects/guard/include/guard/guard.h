@@ -13,8 +13,9 @@ const char *guard_enter(const char *id);
 void guard_leave(const char *before);
 
 /* Attribute tasks to the plugin `id`, which distributes the tasks over threads.
-   Call guard_gather once before all tasks, guard_join before each task, and
-   guard_part with the result of guard_join after the task. [any] */
+   Call guard_gather once before all tasks. In each thread, call guard_join
+   before the first task, and guard_part with the result of guard_join after the
+   last task. [any] */
 void guard_gather(void);
 const char *guard_join(const char *id);
 void guard_part(const char *before);
@@ -73,7 +74,8 @@ _Noreturn void guard_end(int code);
    signal stack: a stack overflow would end the process without a message.
    Threads that plugins start are excepted. [any] */
 void guard_stack_check(void);
-/* Give such a thread the guard's stack again if the thread has none. [any] */
+/* Give a thread that a plugin started the guard's signal stack again, if the
+   thread has none. [any] */
 void guard_stack_give(void);
 
 /* If this thread runs a plugin, report that the plugin ended the process, and

@@ -2,7 +2,8 @@
 /* Memory available to this process. */
 #pragma once
 
-/* Return the available memory in bytes: the least of memory and swap of the
-   machine, control groups, and address space; INFINITY if all are unknown.
-   *source receives the name of the least one (static text). */
+/* Return the available memory in bytes: the least of three limits, and the
+   freed memory that malloc keeps. The limits are memory and swap of the
+   machine, control groups (version 2), and address space; INFINITY if all are
+   unknown. *source receives the name of the least limit (static text). */
 double memory_free(const char **source);

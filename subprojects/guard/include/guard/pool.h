@@ -6,7 +6,8 @@
 #include <stddef.h>
 
 /* Call task(data, i) for each i below n in at most `threads` threads, and
-   return when all calls are done. Calls may be nested. The first call sets the
-   number of threads for the process. [any]: see opcflow/plugin.h. */
+   return when all calls are done. Calls may be nested. The first call that
+   starts threads sets their number for the process. [any]: see
+   opcflow/plugin.h. */
 void pool_run(unsigned threads, size_t n, void (*task)(void *data, size_t i),
               void *data);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* State of the process that plugins must not change: working folder, standard
-   streams, locale, umask and signal handlers; for each thread, floating-point
-   control and signal mask. [any], [main]: opcflow/plugin.h. */
+   streams, locale, umask, signal handlers and the alarm timer; for each thread,
+   floating-point control, locale and signal mask. [any], [main]:
+   opcflow/plugin.h. */
 #pragma once
 
 #include <stddef.h>

@@ -25,7 +25,10 @@ typedef char *opc_fact_text(const void *data, char about, const char *path,
                             const char *before, const char *now);
 
 /* Return the reason why no result exists for `now` (g_free): the differences
-   from the most similar list kept under `name`. */
+   from the most similar list kept under `name`. At most three changed or new
+   facts and three missing facts are described; the others are counted. "not
+   seen before": no list is kept; "the stored result was removed": an equal list
+   is kept. */
 char *opc_facts_reason(opc_store *store, const char *name, GVariant *now,
                        opc_fact_text *text, const void *data);
 

@@ -36,5 +36,6 @@ int opc_traverse(const char *folder, opc_visit *visit, void *data,
    OPC_IO and *error on failure. */
 int opc_sync(const char *path, opc_error *error);
 
-/* Flush a folder and all its contents to the disk. */
+/* Flush a folder and all its contents to the disk; for more than 50 entries,
+   the whole file system. Return OPC_IO and *error on failure. */
 int opc_sync_tree(const char *folder, opc_error *error);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Run folders. A run is written into a slot: a hidden folder beside the target
-   folder. A lock protects the slot until the process ends. A finished run is
-   renamed to the target as a whole, or exchanged with an earlier run. */
+   folder. A lock protects the slot until opc_folder_free or the end of the
+   process. A finished run is renamed to the target as a whole, or exchanged
+   with an earlier run. */
 #pragma once
 
 #include <glib.h>
@@ -24,17 +25,20 @@ int opc_folder_allowed(const char *target, gboolean force, opc_error *error);
 
 /* Return a new slot with an empty folder beside `target`. Slots of killed runs
    with this target are removed, and earlier runs in these slots restored.
-   `sole`: fail if another run with this target is active. NULL and *error on
-   failure. */
+   `sole`: fail if another run with this target is active. Missing parent
+   folders are created. NULL and *error on failure: OPC_INVALID if the target
+   does not end in a name, else OPC_IO. */
 opc_folder *opc_folder_open(const char *target, gboolean sole,
                             opc_error *error);
 
 /* Rename the run to `target`. `replace`: replace an earlier run. Otherwise, if
    the target exists, use TARGET-2, -3 ... (`number` TRUE) or fail (`number`
    FALSE). *got receives the final path in any case (g_free). Return OPC_IO and
-   *error on failure. */
+   *error on failure; the run is then kept as TARGET-2, -3 ... or in
+   folder->work. */
 int opc_folder_close(opc_folder *folder, const char *target, gboolean replace,
                      gboolean number, char **got, opc_error *error);
 
-/* Remove the slot with all contents and free the struct (NULL: nothing). */
+/* Remove the slot with all contents, unless folder->kept is set, and free the
+   struct (NULL: do nothing). */
 void opc_folder_free(opc_folder *folder);

@@ -18,23 +18,27 @@ typedef struct opc_store opc_store;
 
 /* Return the store in OPCFLOW_STORE or, if unset, in opcflow in the cache
    folder of the user ($XDG_CACHE_HOME, ~/.cache). Return NULL if OPCFLOW_STORE
-   is the empty text. Return NULL and fill *error if the folder cannot be
-   created. A read-only folder is accepted. */
+   is the empty text. Return NULL and fill *error: OPC_IO if the folder cannot
+   be created; OPC_INVALID if the cache folder is relative, if OPCFLOW_STORE
+   names a folder with files but without the marker `opcflow-store`, or if a
+   subfolder is a symbolic link. A read-only folder is accepted. */
 opc_store *opc_store_open(opc_error *error);
-/* Remove the least recently used values beyond the limit and free the store
-   (NULL: nothing). */
+/* Free the store (NULL: do nothing). If values were stored, first remove the
+   least recently used values beyond the limit. */
 void opc_store_close(opc_store *store);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_store, opc_store_close)
 
 const char *opc_store_folder(const opc_store *store);
 
 /* Return the last problem since the previous call (g_free), such as a damaged
-   value or a full disk; NULL for none. */
+   value or a full disk; NULL for none. Only the first failed write of a process
+   is reported. */
 char *opc_store_complaint(opc_store *store);
 
-/* Return the value under `key` (g_variant_unref), if the value has the type
-   `type`; else NULL. A damaged value is removed. `key` has at least two
-   hexadecimal digits and may have a suffix. */
+/* Return the value under `key` (g_variant_unref), which must have been stored
+   with the type `type`; NULL if missing or damaged. A damaged value is removed.
+   `key` begins with two hexadecimal digits, has at least one more character,
+   and may have a suffix. */
 GVariant *opc_store_get(opc_store *store, const char *key,
                         const GVariantType *type);
 
@@ -68,6 +72,9 @@ gboolean opc_store_clear(opc_store *store, opc_error *error);
 /* Parse a size, "5 GB", "500 MB", "0", in powers of 1000. Return FALSE for
    other texts. */
 gboolean opc_store_read_size(const char *text, guint64 *bytes);
+
+/* Set the limit, store it for later processes, and remove values beyond the
+   limit. Return FALSE and *error if the limit cannot be stored. */
 gboolean opc_store_set_limit(opc_store *store, guint64 bytes, opc_error *error);
 
 /* ---- claims.c: processes that share work ---- */
@@ -94,7 +101,8 @@ void opc_store_leave(opc_store *store, const char *key);
 char *opc_store_sum(opc_store *store, const char *path,
                     const opc_context *context, opc_error *error);
 
-/* Return whether a file has the checksum `sum`. */
+/* Return whether a file has the checksum `sum` and has not changed since this
+   process last called opc_store_sum for the file. */
 gboolean opc_store_same(opc_store *store, const char *path, const char *sum);
 
 /* Return the checksum of the shared object that contains `address` (NULL: of
