@@ -52,8 +52,7 @@ const char *opc_type_name(uint32_t type);
 opc_node *opc_preset_parse(const opc_parameter *parameter,
                            opc_problems *problems);
 
-/* Return a noun for values of a parameter: "a length with its unit"
-   (g_free). */
+/* Return a noun for values of a parameter: "a length with a unit" (g_free). */
 char *opc_setting_noun(const opc_parameter *parameter);
 
 /* Return the bounds, such as ">= 0 %, < 5 %"; "" without bounds (g_free). */

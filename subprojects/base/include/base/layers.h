@@ -13,7 +13,7 @@
 void opc_lay(opc_node *under, const opc_node *over, opc_problems *problems);
 
 /* Apply a map of steps to `steps`. Unless `steps` is empty, a step that is not
- * in `steps` needs `use`. */
+   in `steps` needs `use`. */
 void opc_lay_steps(opc_node *steps, const opc_node *over,
                    opc_problems *problems);
 

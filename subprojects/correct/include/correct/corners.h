@@ -71,9 +71,10 @@ OPC_EXPORT size_t correct_corners_count(const corners_request *request);
 /* Return the number of images per layer and simulation; 1 without corners. */
 OPC_EXPORT size_t correct_corners_images(const corners_request *request);
 
-/* Allocate the corners and their printers. Prepare the loop's printer first.
-   Returns OPC_INVALID if a focus is not 0 and the optical model has a fixed
-   focus, or if a mask error is not a multiple of the mask grid. */
+/* Allocate the corners and their printers. Prepare the loop's printer first. Do
+   nothing without corners. Return OPC_INVALID for a layout without transistors,
+   a mask error that is not a multiple of the mask grid, or a focus other than 0
+   of a model with fixed focus. */
 OPC_EXPORT int correct_corners_begin(struct loop *loop, opc_error *error);
 OPC_EXPORT void correct_corners_clear(struct loop *loop);
 

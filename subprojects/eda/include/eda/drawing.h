@@ -48,8 +48,8 @@ OPC_EXPORT void eda_use(cairo_t *cairo, eda_colour colour);
 
 /* ---- paper ------------------------------------------------------------ */
 
-/* A drawing surface with its file. After each function below except eda_use,
-   the current colour is eda_ink, lines are solid and the font is normal. */
+/* A drawing surface with its file. Each function below leaves solid lines and
+   the normal font, and leaves the current colour unchanged or eda_ink. */
 typedef struct eda_paper {
   cairo_t *cairo; /* drawing context */
   double width, height;

@@ -36,12 +36,14 @@ typedef struct eda_polygon_taker {
 } eda_polygon_taker;
 
 /* Pass a polygon of any size to `take`, dissected if it has more than
-   take->most points. New points on slanted edges are rounded. [any] */
+   take->most points. New points on slanted edges are rounded. Return OPC_FAILED
+   if the polygon cannot be dissected, or the code of `take`. [any] */
 OPC_EXPORT int eda_polygon_cut(const eda_point *points, size_t n,
                                const eda_polygon_taker *take, opc_error *error);
 
-/* Pass merged shapes to `take`: polygons without holes unchanged, polygons with
-   holes dissected into rectangles. [any] */
+/* Pass merged shapes to `take`: polygons without holes as by eda_polygon_cut,
+   polygons with holes dissected into rectangles. Polygons with holes need edges
+   parallel to the axes. [any] */
 OPC_EXPORT int eda_polygons_without_holes(const eda_shapes *shapes,
                                           const eda_polygon_taker *take,
                                           opc_error *error);

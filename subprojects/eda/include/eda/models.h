@@ -22,8 +22,9 @@ enum { EDA_MODEL_CARD = 1, EDA_MODEL_SUBCIRCUIT = 2 };
    `section`: section to read; NULL: the part outside all sections. `osdi`: file
    of compiled models for the cards (shared object, Open Source Device
    Interface); NULL: none. Statements and names that eda_spice_run refuses are
-   errors. Statistical functions (agauss, gauss, aunif, unif) become their
-   nominal value. Return NULL and *error on failure. [any] */
+   errors. Statistical functions (agauss, gauss, aunif, unif) receive the
+   deviation 0, so that they have their nominal value. Return NULL and *error on
+   failure. [any] */
 OPC_EXPORT eda_models *eda_models_read(const char *path, const char *section,
                                        const char *osdi, opc_error *error);
 OPC_EXPORT void eda_models_free(eda_models *models);
@@ -37,8 +38,9 @@ OPC_EXPORT double eda_models_unit(const eda_models *models);
 
 /* In the next two functions `name` may be several names separated by blanks. */
 
-/* Compute the range of sizes that the bins of a device's model cards cover.
-   Return 1, or 0 if the cards are not binned. [any] */
+/* Compute the range of sizes that the bins of a device's model cards cover,
+   including the cards that the device needs indirectly. Return 1, or 0 if no
+   card is binned. [any] */
 OPC_EXPORT int eda_models_bins(const eda_models *models, const char *name,
                                eda_sizes *out);
 

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPICE and CDL netlists: readers, flattening, and a writer of netlists with
-   the printed sizes of transistors. Errors of a file have the code OPC_INVALID
-   and name file:line:column. Thesis: see docs/background/physics.md. [any],
-   [main]: see opcflow/plugin.h. */
+   the printed sizes of transistors. Errors in a file have the code OPC_INVALID
+   and name file:line:column. A file that cannot be read has the code OPC_IO; if
+   another file includes it, the code is OPC_INVALID and the place is that of
+   .include. Thesis: see docs/background/physics.md. [any], [main]: see
+   opcflow/plugin.h. */
 #pragma once
 
 #include <eda/circuit.h>
@@ -24,12 +26,15 @@ typedef struct eda_assignment {
 } eda_assignment;
 
 typedef struct eda_element {
-  int is_transistor; /* 0: instance of a subcircuit; 1: MOS transistor */
+  int is_transistor; /* 0: instance of a subcircuit; 1: MOS transistor. Set
+                        again by eda_netlist_prepare for transistors of a kit
+                        (X). */
   const char *name;  /* as in the file, with the letter of the element */
   eda_place at;
   size_t nodes;
   const char **node;
-  uint32_t *local;   /* index of each node in eda_subcircuit.node */
+  uint32_t *local;   /* index of each node in eda_subcircuit.node; set, like
+                        `child`, by eda_netlist_prepare */
   const char *model; /* name of the model or of the subcircuit */
   eda_place model_at;
   uint32_t child; /* number of the instantiated subcircuit */
@@ -101,7 +106,9 @@ OPC_EXPORT void eda_netlist_clear(eda_netlist *n);
 OPC_EXPORT int64_t eda_netlist_find(eda_netlist *n, const char *name);
 
 /* Number the nodes, find the subcircuits of instances and count the transistors
-   of subcircuit `top` and all below. Call this before eda_netlist_flatten. */
+   of subcircuit `top` and all below. An X element with four nodes, W and L
+   becomes a transistor if no subcircuit has the name of its model. More than
+   2^24 transistors are an error. Call this before eda_netlist_flatten. */
 OPC_EXPORT int eda_netlist_prepare(eda_netlist *n, uint32_t top);
 
 /* Write "FILE:LINE" of an element to the buffer and return the buffer. */
@@ -116,7 +123,8 @@ typedef struct eda_transistor {
   const eda_element *from;
   uint32_t drain, gate, source, bulk;
   double length, width; /* size, nm */
-  uint32_t fingers;     /* 0: not given by the netlist */
+  uint32_t fingers; /* product of nf and all m, at most 10^6; 0: not given by
+                       the netlist */
 } eda_transistor;
 
 typedef struct eda_flat_netlist {
@@ -130,7 +138,8 @@ typedef struct eda_flat_netlist {
 } eda_flat_netlist;
 
 /* Flatten a prepared subcircuit. Names are paths below the subcircuit. Global
-   nets that are used become further ports. */
+   nets that are used become further ports. Subcircuits without transistors are
+   left out. Two nets of the same name are an error. */
 OPC_EXPORT int eda_netlist_flatten(eda_netlist *n, const eda_scope *top,
                                    eda_flat_netlist *out);
 
@@ -141,19 +150,23 @@ OPC_EXPORT int eda_netlist_flatten(eda_netlist *n, const eda_scope *top,
 typedef struct eda_card {
   const char *name, *kind; /* "nmos", "pmos" */
   size_t count;
-  const char **key, **value; /* all parameters except dlc */
-  double dlc;                /* dlc of the card, or else its lint, nm */
+  const char **key, **value; /* all parameters except dlc, and CGSO and CGDO
+                                also if the card lacks them */
+  double dlc; /* dlc of the card, or else its lint, or else 0; nm */
 } eda_card;
 
 /* Read the model `name` of type EDA_NMOS or EDA_PMOS from a file and its
-   included files, which must be in the same folder. */
+   included files, which must be in the folder of the file or below. A card
+   without DLC (levels other than 8, 49, 14 and 54) is an error, and so is a
+   card in which DLC would change more than the gate capacitance. */
 OPC_EXPORT int eda_card_read(eda_pool *pool, const char *path, const char *name,
                              int type, eda_card *out, opc_error *error);
 
-/* Set paths[2] to the absolute paths of files[2]. If `read`, read the models
-   names[2] from these files into card[2]. If files[EDA_PMOS] is NULL, both
-   models are in files[EDA_NMOS] and paths[EDA_PMOS] is NULL. Errors name the
-   parameters "models" and "pmos_models". */
+/* Set paths[2] to the absolute paths of files[2], NULL for NULL. If `read`,
+   read the models names[2] from these files into card[2]; files[EDA_NMOS] must
+   then exist. If files[EDA_PMOS] is NULL, both models are in files[EDA_NMOS].
+   Errors of paths name the parameter "models" or "pmos_models"; errors in a
+   file name no parameter. */
 OPC_EXPORT int eda_cards_read(eda_pool *pool, const char *const files[2],
                               const char *const names[2], int read,
                               const char *paths[2], eda_card card[2],

@@ -21,10 +21,10 @@ enum { EDA_SIZE_L = 0, EDA_SIZE_W = 1, EDA_SIZE_C = 2, EDA_SIZES = 3 };
    between the voltage levels of a slew. */
 enum { EDA_CAP_DELAY = 0, EDA_CAP_SLEW = 1, EDA_CAPS = 2 };
 
-/* Limits of a cell. */
+/* Largest numbers of a cell. */
 enum {
   EDA_TIMING_INPUTS = 12,
-  EDA_TIMING_GRID = 16, /* number of slews, number of loads */
+  EDA_TIMING_GRID = 16, /* slews, and loads; at least 2 each */
   EDA_TIMING_POWERS = 4 /* coefficients of a cubic */
 };
 
@@ -115,13 +115,16 @@ typedef struct eda_timing {
 
 OPC_EXPORT eda_timing *eda_timing_new(size_t count);
 OPC_EXPORT void eda_timing_free(void *timing);
-/* Return OPC_OK if all arrays exist and all figures are finite. */
+/* Return OPC_OK if each cell has a name and, unless `trouble` is set, inputs,
+   outputs, a grid and tables with finite figures; else OPC_FAILED. */
 OPC_EXPORT int eda_timing_check(const void *timing, opc_error *error);
 /* Return a cell by name (upper and lower case are equal); NULL if missing. */
 OPC_EXPORT const eda_timing_cell *eda_timing_find(const eda_timing *timing,
                                                   const char *name);
 
-/* Allocate the tables of a cell, whose other fields must be set before. */
+/* Allocate the tables of a cell from a pool: `figure` and all arrays in it. The
+   numbers (inputs, bundles, slews, loads, arcs, pairs) and the arrays `arc` and
+   `pair` must be set before. */
 OPC_EXPORT void eda_timing_cell_figures(eda_pool *pool, eda_timing_cell *cell);
 
 /* Compute delay[slews] and slew[slews] of an arc at all slews of the grid.
@@ -152,8 +155,9 @@ OPC_EXPORT void eda_timing_pair_at(const eda_timing_pair *pair, double gap,
                                    double first, double second, double *delay,
                                    double *slew);
 
-/* Compute interpolating cubics through n points (Catmull-Rom with unequal
-   steps); coefficient[i * 4 + power] is for powers of x - x[i]. Evaluate the
+/* eda_timing_cubic: compute interpolating cubics through n >= 2 points
+   (Catmull-Rom with unequal steps); coefficient[i * EDA_TIMING_POWERS + power],
+   i < n - 1, is for powers of x - x[i]. eda_timing_cubic_at: evaluate the
    cubics at `at`; linear beyond both ends. */
 OPC_EXPORT void eda_timing_cubic(const double *x, const double *y, size_t n,
                                  double *coefficient);
@@ -163,9 +167,9 @@ OPC_EXPORT double eda_timing_cubic_at(const double *x,
 
 /* Ramp at the inputs of characterised cells: a straight line up to a level,
    then an exponential with continuous slope. The unit of time is the duration
-   of the straight line if continued from level 0 to 1. Return the time at which
-   the ramp passes a level < 1; write points of the ramp for a simulator, the
-   last with level 1. */
+   of the straight line if continued from level 0 to 1. eda_timing_ramp: return
+   the time at which the ramp passes a level < 1. eda_timing_ramp_points: write
+   points of the ramp for a simulator; the last one has level 1. */
 OPC_EXPORT double eda_timing_ramp(int rises, double level);
 enum { EDA_TIMING_RAMP = 8 };
 OPC_EXPORT void eda_timing_ramp_points(int rises, double time[EDA_TIMING_RAMP],

@@ -22,8 +22,8 @@ typedef struct ranks_units {
   /* Return whether this process already has the result of unit i. */
   int (*has)(void *data, size_t i);
 
-  /* Return the result of unit i, at most 2^30 bytes; NULL and *error on
-     failure. */
+  /* Compute unit i, unless this process has the result, and return the result,
+     at most 2^30 bytes; NULL and *error on failure. */
   GBytes *(*get)(void *data, size_t i, opc_error *error);
 
   /* Receive the result of unit i. The bytes are aligned as by malloc. */
@@ -45,7 +45,8 @@ typedef struct ranks_group {
   int rank, size;
 
   /* Wait until every rank calls this function with the same `what`. `code` and
-     *error are the fault of this rank, or OPC_OK. Returns OPC_OK if no rank has
+     *error are the fault of this rank, or OPC_OK. A rank whose `what` differs
+     from that of rank 0 has the fault OPC_FAILED. Returns OPC_OK if no rank has
      a fault; else every rank returns the fault of the lowest faulty rank. */
   int (*meet)(const char *what, int code, opc_error *error);
 
@@ -55,9 +56,11 @@ typedef struct ranks_group {
   /* Copy n bytes, fewer than 2^31, from rank `from` to all ranks. */
   int (*spread)(void *bytes, size_t n, int from, opc_error *error);
 
-  /* Distribute units over the ranks: call get() once for each unit, in the next
-     free rank, and take() in every rank, in ascending order of i. The fault of
-     the lowest faulty unit is returned in every rank. */
+  /* Distribute units over the ranks: call get() once for each unit, and take()
+     in every rank, in ascending order of i. A unit belongs to a rank that has
+     the result, or else to the next free rank. A fault of get() ends the
+     distribution; every rank returns the fault of the lowest faulty unit. A
+     fault of take() is returned in its rank only. */
   int (*share)(const ranks_units *units, opc_error *error);
 
   /* Wait for all ranks unless the run was stopped, and finalise MPI. */

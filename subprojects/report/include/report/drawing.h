@@ -27,8 +27,10 @@ typedef struct drawing_limits {
                               "Number of worst transistors near which shapes " \
                               "are written, in layouts above 'whole'")
 
-/* Write the JSON object of a mask to a file. Errors have the parameter "mask"
-   or "file". Returns OPC_OK or an error code. Call on the main thread. */
+/* Write the JSON object of a mask to a file. An empty layout is an error of the
+   parameter "mask", an unwritable file of "file"; other errors are those of
+   eda_contours and of the simulation of classes. Return OPC_OK or an error
+   code. Call on the main thread. */
 int drawing_file(const opc_context *context, const eda_mask *mask,
                  const drawing_limits *limits, const char *path,
                  opc_error *error);
