@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests the surrogate of the step against simulations at random conditions,
    with displaced mask shapes in place of displaced images, and the tables of
-   the step. OPCFLOW_VARIATION_GDS: a circuit in the layers of NanGate 45 nm,
-   and OPCFLOW_VARIATION_CONDITIONS the number of conditions, to run the
-   comparison on a circuit. */
+   the step. */
 #include <eda/check.h>
 #include <eda/memory.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "tools/devel/testing.h"
@@ -209,37 +206,6 @@ static void test_line_end(void) {
   opc_test_module_free(loop);
 }
 
-static void test_circuit(void) {
-  const char *file = g_getenv("OPCFLOW_VARIATION_GDS");
-  const char *count = g_getenv("OPCFLOW_VARIATION_CONDITIONS");
-  if (!file) {
-    g_test_skip("OPCFLOW_VARIATION_GDS is not set");
-    return;
-  }
-  opc_module *reader =
-      module_make("read.gds",
-                  "file: '%s', scale: 1.3, layers: { poly: 9/0, active: 1/0, "
-                  "contact: 10/0, nwell: 3/0 }",
-                  file);
-  void *layout = run_step(reader, NULL, NULL);
-  opc_module *segment = module_make("segment.transistors", "grid: 1 nm");
-  void *gates = run_step(segment, "layout", layout);
-  opc_module *loop =
-      module_make("correct",
-                  "synthesizer: { use: synthesizer.newton, target: balanced }, "
-                  "regulator: { use: regulator.drc, min_extension: 30 nm, "
-                  "want_extension: 60 nm }");
-  void *mask = run_step(loop, "gates", gates);
-  run_sample("chips: 2000, mask_error: 0.67 nm", mask,
-             (uint32_t)atoi(count ? count : "300"));
-  opc_test_release(loop, &mask);
-  opc_test_release(segment, &gates);
-  opc_test_release(reader, &layout);
-  opc_test_module_free(loop);
-  opc_test_module_free(segment);
-  opc_test_module_free(reader);
-}
-
 static void module_refuse(const char *more, const char *why) {
   g_autofree char *devices = g_build_filename(
       g_getenv("OPCFLOW_SOURCE"), "data", "devices", "ptm65.yaml", NULL);
@@ -262,7 +228,6 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/variation/sample", test_sample);
   g_test_add_func("/variation/line-end", test_line_end);
-  g_test_add_func("/variation/circuit", test_circuit);
   g_test_add_func("/variation/refused", test_refused);
   return g_test_run();
 }
