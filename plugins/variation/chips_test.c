@@ -228,13 +228,15 @@ static void test_order(void) {
   m->c.context = &backwards;
   sample *b = sample_new(m, N, NULL);
   for (int k = 0; k < CHIP; k++)
-    g_assert_true(!memcmp(a->chip[k], b->chip[k], N * sizeof(float)));
-  g_assert_true(!memcmp(a->moments, b->moments, sizeof a->moments));
+    g_assert_cmpmem(a->chip[k], N * sizeof(float), b->chip[k],
+                    N * sizeof(float));
+  g_assert_cmpmem(a->moments, sizeof a->moments, b->moments, sizeof b->moments);
   float *part[CHIP];
   for (int k = 0; k < CHIP; k++) part[k] = b->chip[k];
   g_assert_false(circuit_sample(&m->c, streams, 500, 77, part, NULL, &error));
   for (int k = 0; k < CHIP; k++)
-    g_assert_true(!memcmp(a->chip[k] + 500, part[k], 77 * sizeof(float)));
+    g_assert_cmpmem(a->chip[k] + 500, 77 * sizeof(float), part[k],
+                    77 * sizeof(float));
   sample_free(a);
   sample_free(b);
   model_free(m);
