@@ -140,7 +140,6 @@ static int begin_exposure(loop *l, exposure *e, const corner *first,
                    l->printer.resist, 0);
   e->own.frame = l->printer.frame;
   e->own.fine = l->printer.fine;
-  e->own.coarse = l->printer.coarse;
   e->own.defocus = first->focus;
   e->own.keeps = 1;
   if (e->by) e->mask = eda_alloc(l->gates->layers, sizeof *e->mask);

@@ -10,7 +10,7 @@
 
 /* Tuned constants. */
 static const struct {
-  double limit, error, least, most, coarse, part, peak, light, larger;
+  double limit, error, least, most, part, peak, light, larger;
   const char *near, *nearest; /* nm, for a wavelength and NA that `natural`
                                  states */
 } tuned = {
@@ -27,12 +27,6 @@ static const struct {
        error would save no time. */
     .least = 5e-5,
     .most = 5e-4,
-
-    /* Image error of the second level of accurate simulations, 25 kernels.
-       Test: Ion of the mask of c7552 by two levels differs from that by one
-       level by 0.004 % (standard deviation) and 0.026 % at most; with 2e-4, 47
-       kernels, from that of c432 by 0.002 and 0.007 % (5e-4: 0.003, 0.010). */
-    .coarse = 5e-4,
 
     /* Largest standard deviation of Ion caused by the image error of one layer,
        as a fraction of `limit`: 0.02 % of Ion at 0.5 %, the effect of 5e-5 for
@@ -78,8 +72,6 @@ int correct_fine_error(const char *text, double limit, double *fine,
 double correct_fine_change(const char *text, double limit) {
   return text ? 0 : tuned.part * limit;
 }
-
-double correct_fine_coarse(void) { return tuned.coarse; }
 
 /* ---- sensitivity to errors ---- */
 

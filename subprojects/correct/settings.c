@@ -208,5 +208,4 @@ void correct_loop_init(loop *l, const opc_host *host, const eda_gates *gates,
   eda_printer_init(&l->printer, host->context, gates, with->litho, with->resist,
                    with->margin);
   l->printer.fine = with->fine;
-  l->printer.coarse = correct_fine_coarse();
 }

@@ -63,8 +63,6 @@ static const opc_module *regulator;
 static double aim; /* standard deviation of Ion that accurate simulations may
                       cause, %; 0: the error is `fine` */
 
-static double coarse; /* error of the second level; 0: one level */
-
 static int try_to_run(loop *l, const eda_litho *model, double fine,
                       int32_t spoil, int64_t iterations, opc_error *error) {
   mover s = {spoil};
@@ -80,7 +78,6 @@ static int try_to_run(loop *l, const eda_litho *model, double fine,
   eda_printer_init(&l->printer, NULL, l->gates, MODULE(model, NULL),
                    MODULE(&resist, NULL), 300);
   l->printer.fine = fine;
-  l->printer.coarse = coarse;
   warnings = 0;
   return correct_loop_run(l, error);
 }
@@ -334,43 +331,6 @@ static void test_rules(void) {
   }
 }
 
-/* A model whose images with the error of the second level lack a part of the
-   field of the accurate ones. */
-static int coarse_prints;
-static int image_of_level(const void *self, int layer, const eda_spectrum *mask,
-                          double defocus, double wanted, eda_field *out,
-                          opc_error *error) {
-  if (wanted == fine_is)
-    return image_fine(self, layer, mask, defocus, wanted, out, error);
-  g_assert_cmpfloat(wanted, ==, correct_fine_coarse());
-  coarse_prints += layer == EDA_POLY;
-  if (model_image(self, layer, mask, out, error)) return error->code;
-  for (int j = 0; j < out->ny; j++)
-    for (int i = 0; i < out->nx; i++)
-      out->coefficients[j * out->nx + i] += (float)wave(0.01, i, out->nx);
-  return OPC_OK;
-}
-
-/* In two levels, only the first accurate image of a layer is computed with the
-   smaller error. The figures of later masks are nevertheless those of this
-   model. */
-static void test_levels(void) {
-  static const eda_litho levels = {.prepare = prepare_nothing,
-                                   .band = model_band,
-                                   .image = model_image,
-                                   .image_fine = image_of_level};
-  loop l;
-  ADD(0.03);
-  coarse = correct_fine_coarse();
-  run_step(&l, &levels, fine_is, 0, 10);
-  coarse = 0;
-  g_assert_cmpint(coarse_prints, ==, 2);
-  expect_result(&l, 0.03, 0.01);
-  g_assert_cmpint(fine_prints[EDA_POLY], ==, 1);
-  g_assert_cmpuint(l.printer.fine_simulations, ==, 3);
-  correct_loop_clear(&l);
-}
-
 /* If no edge is displaced, the drawn mask is verified. */
 static void test_drawn(void) {
   loop l;
@@ -529,7 +489,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/proof/goes-on", test_goes_on);
   g_test_add_func("/proof/bound", test_bound);
   g_test_add_func("/proof/rules", test_rules);
-  g_test_add_func("/proof/levels", test_levels);
   g_test_add_func("/proof/drawn", test_drawn);
   g_test_add_func("/proof/guard", test_guard);
   g_test_add_func("/proof/margin", test_margin);

@@ -21,7 +21,6 @@ void eda_printer_init(eda_printer *p, const opc_context *context,
       .print = eda_alloc(gates->layers, sizeof *p->print),
       .image = eda_alloc(gates->layers, sizeof *p->image),
       .difference = eda_alloc(gates->layers, sizeof *p->difference),
-      .beyond = eda_alloc(gates->layers, sizeof *p->beyond),
       .is_fine = eda_alloc(gates->layers, 1),
       .fine_of = eda_alloc(gates->layers, sizeof *p->fine_of)};
   p->frame = (eda_frame){b.x0 * grid - margin, b.y0 * grid - margin,
@@ -56,9 +55,8 @@ eda_image_size eda_printer_forecast(const eda_printer *p, size_t layers) {
   double band = p->litho.functions.band(&p->litho);
   if (!(band > 0)) return (eda_image_size){0};
   eda_image_size one = eda_image_forecast(p->frame, band);
-  /* Memory of the last image (`image`), of `difference` and of `beyond`. */
-  if (p->fine > 0 && p->litho.functions.image_fine)
-    one.bytes += (p->coarse > 0 ? 3 : 2) * one.field;
+  /* Memory of the last image (`image`) and of `difference`. */
+  if (p->fine > 0 && p->litho.functions.image_fine) one.bytes += 2 * one.field;
   one.bytes *= (double)layers;
   one.field *= (double)layers;
   return one;
@@ -160,56 +158,18 @@ static int printer_settle(eda_printer *p, int layer, int fine, eda_field *print,
   return eda_printer_develop(p, layer, print, error);
 }
 
-/* Compute the image of a layer with an error of at most `within`. */
-static int image_within(const eda_printer *p, int layer,
-                        const eda_spectrum *mask, double within, eda_field *out,
-                        opc_error *error) {
-  return p->litho.functions.image_fine(&p->litho, layer, mask, p->defocus,
-                                       within, out, error);
-}
-
-/* Least ratio of `coarse` to the accurate error at which two levels save time.
-   The number of kernels is about inversely proportional to the error. */
-#define LEAST_RATIO 4.0
-
-/* Compute an accurate image in two levels. The first image of a layer is
-   computed by all kernels and by those of the larger error `coarse`; `beyond`
-   is the difference. Later images, of similar masks, are the sum of `beyond`
-   and of an image by the kernels of the larger error. */
-static int image_accurate(eda_printer *p, int layer, const eda_spectrum *mask,
-                          eda_field *out, opc_error *error) {
-  double within = p->fine_of[layer] > 0 ? p->fine_of[layer] : p->fine;
-  eda_field coarse = {0}, *beyond = &p->beyond[layer];
-  if (p->coarse / within < LEAST_RATIO)
-    return image_within(p, layer, mask, within, out, error);
-  if (beyond->coefficients) {
-    int code = image_within(p, layer, mask, p->coarse, out, error);
-    if (!code) code = fields_match(out, beyond, error);
-    if (!code) field_add(out, out, 1, beyond);
-    return code;
-  }
-  int code = image_within(p, layer, mask, within, out, error);
-  if (!code) code = image_within(p, layer, mask, p->coarse, &coarse, error);
-  if (!code) code = fields_match(out, &coarse, error);
-  if (code) {
-    eda_field_clear(&coarse);
-    return code;
-  }
-  field_add(&coarse, out, -1, &coarse);
-  *beyond = coarse;
-  return OPC_OK;
-}
-
 static int print_layer(eda_printer *p, int layer, const eda_shapes *mask,
                        int fine, opc_error *error) {
   const eda_litho *litho = &p->litho.functions;
   eda_field *print = &p->print[layer];
   eda_field_clear(print);
   eda_spectrum spectrum;
+  double within = p->fine_of[layer] > 0 ? p->fine_of[layer] : p->fine;
   int code = eda_printer_spectrum(p, mask, &spectrum, error);
   if (code) return code;
   if (fine)
-    code = image_accurate(p, layer, &spectrum, print, error);
+    code = litho->image_fine(&p->litho, layer, &spectrum, p->defocus, within,
+                             print, error);
   else if (p->defocus == 0)
     code = litho->image(&p->litho, layer, &spectrum, print, error);
   else
@@ -265,15 +225,13 @@ void eda_printer_clear(eda_printer *p) {
     eda_field_clear(&p->print[k]);
     eda_field_clear(&p->image[k]);
     eda_field_clear(&p->difference[k]);
-    eda_field_clear(&p->beyond[k]);
   }
   free(p->print);
   free(p->image);
   free(p->difference);
-  free(p->beyond);
   free(p->is_fine);
   free(p->fine_of);
-  p->print = p->image = p->difference = p->beyond = NULL;
+  p->print = p->image = p->difference = NULL;
   p->is_fine = NULL;
   p->fine_of = NULL;
   eda_fft_trim();

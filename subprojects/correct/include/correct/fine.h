@@ -17,10 +17,6 @@ OPC_EXPORT int correct_fine_error(const char *text, double limit, double *fine,
    0 if `text` sets one error for all layers. */
 OPC_EXPORT double correct_fine_change(const char *text, double limit);
 
-/* Return the image error, clear field 1, of the second level of accurate
-   simulations of a loop (eda_printer.coarse). */
-OPC_EXPORT double correct_fine_coarse(void);
-
 /* Set the image errors of accurate simulations of poly and active so that each
    error causes a standard deviation of Ion of about `change` %.
 

@@ -63,14 +63,6 @@ typedef struct eda_printer {
   /* [layers]: largest error of accurate simulations of a layer; 0: `fine`. The
      caller may set it at any time. */
   double *fine_of;
-
-  /* Error of the second level of accurate simulations (clear field: 1), which
-     the caller may set at the same time as `fine`; 0: one level. The first
-     accurate image of a layer also yields `beyond` [layers], the difference of
-     both levels. Later ones are the sum of an image with the error `coarse` and
-     `beyond`, because the difference is nearly equal for similar masks. */
-  double coarse;
-  eda_field *beyond;
 } eda_printer;
 
 /* Initialise a printer without accurate simulations. Its frame is gates->extent
