@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Fuzzes the check of a deck and of a file that the deck names. Each resulting
-   line must be a title, a continuation or a known statement. */
+/* Fuzzes deck_write with a SPICE deck and a file that the deck includes. Each
+   resulting line must be a title, a continuation or a known statement. */
 #include <glib.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,8 +8,8 @@
 #include "fuzz/fuzz.h"
 #include "simulator/deck.h"
 
-/* Return whether the simulator's manual has the statement, independently of the
-   code under test. */
+/* Return whether a line begins with a statement of the simulator's manual. The
+   list is independent of the code under test. */
 static int is_known(const char *line) {
   static const char *const begins[] = {
       ".model",  ".param",  ".subckt",  ".ends",  ".global", ".func",

@@ -62,6 +62,11 @@ static void test_stanza(void) {
   g_assert_nonnull(strstr(stanza,
                           "  # anchor:\n  #   line: 65 nm\n"
                           "  #   pitch: 250 nm\n"));
+  /* Parameters of a group need not be adjacent in the declaration. */
+  g_assert_cmpint(opcflow_call("inspect resist.threshold"), ==, 0);
+  const char *group = strstr(out, "\n  # anchor:\n");
+  g_assert_nonnull(group);
+  g_assert_null(strstr(group + 1, "\n  # anchor:\n"));
 }
 
 static void test_check(void) {

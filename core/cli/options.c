@@ -48,8 +48,8 @@ opc_registry *cli_registry(void) {
 /* ---- help ---- */
 
 static gboolean help, version;
-static const char *taken; /* text of --plugin-path, not used:
-                             cli_take_plugin_path reads the option */
+static const char *taken; /* text of --plugin-path, never read:
+                             cli_take_plugin_path handles the option */
 
 const cli_option cli_common_options[] = {
     {"plugin-path", "folder to search first for plugins", "DIR",

@@ -24,9 +24,10 @@ static opc_store *results_store(const opc_host *host) {
 
 /* ---- identity ---- */
 
-/* Fail if `of` contains an instance other than `b` that takes an input. A step
-   can add the identities of its own inputs to a key, but does not know the
-   inputs of its slots. */
+/* Return FALSE and *error if a plugin instance below `of`, except `b`, refers
+   to an output of another step. A step can include the identities of its own
+   inputs in the key of a result, but does not know the inputs of the plugins in
+   its slots. */
 static gboolean takes_nothing(const opc_binding *b, const opc_binding *of,
                               opc_error *error) {
   g_autoptr(GPtrArray) all = g_ptr_array_new();
@@ -66,7 +67,8 @@ static const char *results_identity(const opc_host *host, const char *slot,
 
 /* ---- results ---- */
 
-/* Return the name in the store (g_free); NULL if the build is unknown. */
+/* Return the name under which the result `key` is stored (g_free); NULL if the
+   build of the plugin is unknown. */
 static char *results_name(const opc_host *host, const char *key) {
   const opc_plugin *plugin = ((const opc_binding *)host->data)->plugin;
   const char *build = opc_store_build(results_store(host), plugin->id);

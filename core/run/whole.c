@@ -22,8 +22,8 @@ static void open_scratch(opc_run *run, opc_problems *problems) {
     opc_problem_add(problems, OPC_IO, NULL, "%s", fault->message);
 }
 
-/* Open the folder of a run. Returns NULL for ranks other than the first, or
-   with a problem. */
+/* Open the folder of a run. Return NULL for ranks other than the first, and if
+   no folder could be opened. Each failure is added to `problems`. */
 static opc_folder *open_folder(opc_run *run, const char *target,
                                opc_problems *problems) {
   opc_error error;

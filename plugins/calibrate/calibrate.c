@@ -181,7 +181,7 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED(
         "fine", calibrate, image_error, .type = OPC_REAL, .flags = OPC_ABOVE,
         .preset = "0.0005", .min = 0,
-        .summary = "largest error of the images, clear field 1"),
+        .summary = "largest error of the images, relative to the clear field"),
 };
 
 static const opc_metric metrics[] = {

@@ -45,8 +45,8 @@ typedef struct model {
 } model;
 
 /* Simulate the layers with gauges at nodes of the defocus range focus[0] to
-   focus[1], nm. `error_of_image`: largest error of the images, clear field 1.
-   [main] */
+   focus[1], nm. `error_of_image`: largest error of the images, relative to the
+   clear field. [main] */
 int model_prepare(model *m, const eda_mask *mask, const opc_module *litho,
                   double margin, double error_of_image, const double focus[2],
                   opc_error *error);

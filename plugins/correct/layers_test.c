@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "tests/shapes.h"
 #include "tools/devel/testing.h"
 
 /* ---- help ---- */
@@ -95,15 +96,6 @@ static void correction_clear(correction *c) {
   opc_test_module_free(c->module);
 }
 
-static size_t differences(const eda_shapes *a, const eda_shapes *b) {
-  eda_shapes both;
-  opc_error error = {0};
-  g_assert_false(eda_boolean(EDA_XOR, a, b, &both, &error));
-  size_t n = both.count;
-  eda_shapes_clear(&both);
-  return n;
-}
-
 static size_t layer(const eda_gates *gates, const char *name) {
   int k = eda_gates_layer(gates, name);
   g_assert_cmpint(k, >, EDA_ACTIVE);
@@ -125,8 +117,9 @@ static void test_newton(void) {
   size_t metal = layer(c.gates, "metal1");
   g_assert_true(c.gates->corrected[metal]);
   correction_init(&alone, &c, NEWTON);
-  g_assert_cmpuint(
-      differences(&alone.mask->shapes[metal], &c.gates->drawn[metal]), ==, 0);
+  g_assert_cmpfloat(
+      shapes_difference(&alone.mask->shapes[metal], &c.gates->drawn[metal]), ==,
+      0);
   g_assert_nonnull(alone.mask->print[metal].coefficients);
   g_assert_true(isnan(opc_test_metric("epe_mean")));
   double ion = opc_test_metric("ion_max");
@@ -144,8 +137,9 @@ static void test_newton(void) {
   g_assert_true(opc_test_metric("ion_max") == ion);
   g_assert_cmpuint(opc_test_rows("gates"), ==, gate_rows);
   g_assert_cmpstr(opc_test_text("gates", "verdict", 0), !=, "");
-  g_assert_cmpuint(
-      differences(&both.mask->shapes[metal], &c.gates->drawn[metal]), >, 0);
+  g_assert_cmpfloat(
+      shapes_difference(&both.mask->shapes[metal], &c.gates->drawn[metal]), >,
+      0);
   /* Metal alone is simulated when only metal moves. */
   double more = opc_test_metric("simulations") - simulations;
   g_assert_cmpfloat(more, >, 0);
@@ -176,15 +170,15 @@ static void test_epe(void) {
   size_t contact = layer(c.gates, "contact");
   for (size_t k = 0; k < c.gates->layers; k++)
     if (k != contact)
-      g_assert_cmpuint(differences(&one.mask->shapes[k], &c.gates->drawn[k]), >,
-                       0);
+      g_assert_cmpfloat(
+          shapes_difference(&one.mask->shapes[k], &c.gates->drawn[k]), >, 0);
   g_assert_cmpuint(one.mask->shapes[contact].count, ==, 0);
   correction_init(&two, &c,
                   "synthesizer: { use: " EPE " }, edges: { use: " EPE " }");
   g_assert_true(opc_test_number("effort", "fragments", 0) == sites);
   for (size_t k = 0; k < c.gates->layers; k++)
-    g_assert_cmpuint(differences(&one.mask->shapes[k], &two.mask->shapes[k]),
-                     ==, 0);
+    g_assert_cmpfloat(
+        shapes_difference(&one.mask->shapes[k], &two.mask->shapes[k]), ==, 0);
   correction_clear(&two);
   correction_clear(&one);
   cell_clear(&c);
@@ -203,8 +197,8 @@ static void test_four(void) {
     int k = eda_gates_layer(c.gates, names[i]);
     g_assert_cmpint(k, >=, 0);
     if (k == EDA_ACTIVE) continue; /* newton moves no widths here */
-    g_assert_cmpuint(differences(&four.mask->shapes[k], &c.gates->drawn[k]), >,
-                     0);
+    g_assert_cmpfloat(
+        shapes_difference(&four.mask->shapes[k], &c.gates->drawn[k]), >, 0);
   }
   g_autofree char *models_text = models();
   g_autofree char *verify = g_strdup_printf("{ %s }", models_text);
@@ -212,8 +206,8 @@ static void test_four(void) {
   eda_mask *again = run_step(verifier, "mask", four.mask);
   g_assert_cmpfloat(opc_test_metric("ion_change_max"), <, 1e-9);
   for (size_t k = 0; k < c.gates->layers; k++) {
-    g_assert_cmpuint(differences(&again->shapes[k], &four.mask->shapes[k]), ==,
-                     0);
+    g_assert_cmpfloat(
+        shapes_difference(&again->shapes[k], &four.mask->shapes[k]), ==, 0);
     g_assert_true(!again->print[k].coefficients == !c.gates->corrected[k]);
   }
   release_sample(verifier, again);

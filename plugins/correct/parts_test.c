@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "chip_test.h"
+#include "tests/shapes.h"
 
 #define TWO ", layers: { poly: poly, active: active }, fine: off"
 
@@ -315,15 +316,6 @@ static int expect_next(void *data, const eda_mask_part *part,
   return OPC_OK;
 }
 
-static double shapes_differ(const eda_shapes *a, const eda_shapes *b) {
-  opc_error error = {0};
-  eda_shapes x;
-  g_assert_false(eda_boolean(EDA_XOR, a, b, &x, &error));
-  double area = (double)eda_area2(&x) / 2;
-  eda_shapes_clear(&x);
-  return area;
-}
-
 /* Strips visit the transistors of a flat segmentation in its order, with its
    names; the flat mask has its gates and the shapes of the given mask. */
 static void test_all(void) {
@@ -343,8 +335,8 @@ static void test_all(void) {
     g_assert_true(all->after.ion[i] == b.classes->after.ion[class_of(&b, i)]);
   }
   for (size_t k = 0; k < 2; k++)
-    g_assert_cmpfloat(shapes_differ(&all->shapes[k], &b.flat->shapes[k]), ==,
-                      0);
+    g_assert_cmpfloat(shapes_difference(&all->shapes[k], &b.flat->shapes[k]),
+                      ==, 0);
   both_clear(&b);
 }
 
@@ -383,7 +375,7 @@ static double file_differs(const eda_layout *file, const char *layer,
           top = eda_layout_top(file, &error);
   if (number < 0 || top < 0) g_error("%s: %s", layer, error.message);
   g_assert_false(eda_layout_flatten(file, top, number, 1, &all, &error));
-  double area = shapes_differ(&all.shapes, want);
+  double area = shapes_difference(&all.shapes, want);
   eda_flat_clear(&all);
   return area;
 }
@@ -441,8 +433,8 @@ static void test_restore(void) {
   }
   if (eda_mask_flat(m, &all, &error)) g_error("%s", error.message);
   for (size_t k = 0; k < 2; k++)
-    g_assert_cmpfloat(shapes_differ(&all->shapes[k], &b.flat->shapes[k]), ==,
-                      0);
+    g_assert_cmpfloat(shapes_difference(&all->shapes[k], &b.flat->shapes[k]),
+                      ==, 0);
   release_sample(other, again[0]);
   both_clear(&b);
 }

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "tests/data.h"
+#include "tests/shapes.h"
 #include "tests/step.h"
 
 #define MODELS(litho)                                               \
@@ -60,15 +61,6 @@ static opc_module *given(const eda_gates *g, const eda_layout *layout,
   opc_test_input(m, "gates", (void *)g);
   opc_test_input(m, "mask_layout", (void *)layout);
   return m;
-}
-
-static double shapes_difference(const eda_shapes *a, const eda_shapes *b) {
-  opc_error error = {0};
-  eda_shapes x;
-  g_assert_false(eda_boolean(EDA_XOR, a, b, &x, &error));
-  double area = (double)eda_area2(&x) / 2;
-  eda_shapes_clear(&x);
-  return area;
 }
 
 /* ---- equal figures ---- */

@@ -77,12 +77,15 @@ int try_mask(opc_inspector *in, int layer, const eda_frame *frame, double band,
   int code = eda_mask_spectrum(in->context, layer < 0 ? &all : &g->drawn[drawn],
                                g->grid, *frame, band, mask, &error);
   if (code && !was_stopped(in, "a mask", code))
-    in->find(in, "a mask of its band of %g 1/nm: %s", band, error.message);
+    in->find(
+        in,
+        "the spectrum of a test mask up to the model's band limit, %g 1/nm: %s",
+        band, error.message);
   return !code;
 }
 
 /* The transfer function at the frequency f is 1 / (1 + (cut f)^2)^2, with `cut`
-   in nm. At the band limit, 1/nm, its value is 1/289 of the maximum. */
+   in nm. At the band limit, 4 / cut, its value is 1/289 of the maximum. */
 static const double cut = 120, limit = 4 / 120.0;
 
 static int mask_prepare(void *self, opc_error *error) {

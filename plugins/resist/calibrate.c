@@ -304,10 +304,10 @@ static const double unit = 1e-3;
 /* Space between copies of an isolated line, nm. */
 static const double isolation = 4000;
 
-/* Error of the images of lines, clear field 1; one of the errors of accurate
-   simulations (correct/fine.c), so that kernels are reused. Half of the error
-   changes thresholds by 4e-6 of the clear field, and the width of a line by
-   0.05 pm. */
+/* Error of the images of lines, relative to the clear field; one of the errors
+   of accurate simulations (correct/fine.c), so that kernels are reused. Half of
+   the error changes thresholds by 4e-6 of the clear field, and the width of a
+   line by 0.05 pm. */
 static const double image_error = 1e-4;
 
 /* Compute the image of a vertical line. The line has the height of the frame,

@@ -171,7 +171,7 @@ static void test_sample(void) {
                   "synthesizer: { use: synthesizer.dpb }, max_iterations: 6, "
                   "regulator: { use: regulator.drc, min_extension: 40 nm }");
   eda_mask *mask = run_step(loop, "gates", eda_gates_sample());
-  run_sample("chips: 2000", mask, 40);
+  run_sample("chips: 2000", mask, 12);
   check_tables();
   double yield = opc_test_metric("yield"), q = opc_test_metric("leakage_q99");
   double sigma = opc_test_metric("ion_p_sigma");

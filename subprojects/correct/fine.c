@@ -14,12 +14,12 @@ static const struct {
   const char *near, *nearest; /* nm, for a wavelength and NA that `natural`
                                  states */
 } tuned = {
-    /* An image error of `error` (clear field 1) is permitted for an Ion limit
-       of `limit` %. The permitted error is proportional to the limit. Test:
-       c432 corrected by litho.hopkins, Ion compared with all 1402 kernels. An
-       error of 1e-4 (105 kernels) changes Ion by 0.05 % in the mean and 0.27 %
-       at most, 5e-5 (221 kernels) by 0.03 % and 0.15 %. The mean for 5e-5 is
-       within a tenth of 0.5 %. */
+    /* An image error of `error` (relative to the clear field) is permitted for
+       an Ion limit of `limit` %. The permitted error is proportional to the
+       limit. Test: c432 corrected by litho.hopkins, Ion compared with all 1402
+       kernels. An error of 1e-4 (105 kernels) changes Ion by 0.05 % in the mean
+       and 0.27 % at most, 5e-5 (221 kernels) by 0.03 % and 0.15 %. The mean for
+       5e-5 is within a tenth of 0.5 %. */
     .limit = 0.5,
     .error = 5e-5,
 
@@ -36,9 +36,9 @@ static const struct {
     .part = 0.04,
     .peak = 4,
 
-    /* Intensity step of the sensitivity, clear field 1; it displaces edges by
-       0.2 nm. Rounding errors are 1e-4 of the displacement; a step of 1e-2 is
-       not linear. */
+    /* Intensity step of the sensitivity, relative to the clear field; it
+       displaces edges by 0.2 nm. Rounding errors are 1e-4 of the displacement;
+       a step of 1e-2 is not linear. */
     .light = 1e-3,
 
     /* Relative step of a length or width for the sensitivity; the step is at

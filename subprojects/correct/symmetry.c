@@ -8,8 +8,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Tolerance of intensity, clear field 1; between rounding errors and the error
-   of optical models. */
+/* Tolerance of intensity, relative to the clear field; between rounding errors
+   and the error of optical models. */
 static const double same_part = 1e-4;
 
 /* A shape without symmetry, nm, in a square frame; the size of the frame is the

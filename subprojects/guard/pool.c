@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Thread pool. The guard attributes tasks to the caller of pool_run. */
+/* Thread pool. A crash in a task is attributed to the plugin that called
+   pool_run. */
 #include <glib.h>
 #include <guard/guard.h>
 #include <guard/pool.h>
@@ -7,9 +8,10 @@
 enum { TURNS = 64 }; /* largest number of parts per thread, for load balance */
 
 /* One call of pool_run(). Each free thread takes the next `step` indices. The
-   caller works, too, and waits only for tasks, so that nested calls cannot
-   block each other. A thread that starts after all indices were taken only
-   releases its reference. */
+   calling thread also takes indices, and waits only for those that other
+   threads have taken, never for a free thread: nested calls cannot block each
+   other. A thread that starts after all indices were taken only releases its
+   reference. */
 typedef struct batch {
   void (*task)(void *, size_t);
   void *data;
@@ -79,7 +81,8 @@ void pool_run(unsigned threads, size_t n, void (*task)(void *data, size_t i),
   g_atomic_ref_count_init(&b->references);
   g_mutex_init(&b->lock);
   g_cond_init(&b->finished);
-  /* Threads that GLib's pool starts here belong to the command. */
+  /* GLib's pool may start threads here: attribute these threads to the command,
+     not to the calling plugin. */
   const char *before = guard_enter(NULL);
   for (size_t i = 1; i < workers; i++) {
     g_atomic_ref_count_inc(&b->references);

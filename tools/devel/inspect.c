@@ -95,18 +95,25 @@ static gboolean is_needed(const opc_plugin *plugin, const char *prefix) {
   return FALSE;
 }
 
+/* Return whether a parameter before `end` has the first n bytes of its name. */
+static gboolean group_is_printed(const opc_plugin *plugin, size_t end,
+                                 size_t n) {
+  for (size_t i = 0; i < end; i++)
+    if (!strncmp(plugin->parameters[i].name, plugin->parameters[end].name, n))
+      return TRUE;
+  return FALSE;
+}
+
 /* Print the parameters and groups whose names begin with `prefix`. Optional
    ones are comments. */
 static void print_level(const opc_plugin *plugin, const char *prefix,
                         int depth) {
-  const char *last = NULL; /* group printed last */
   for (size_t i = 0; i < plugin->n_parameters; i++) {
     const opc_parameter *p = &plugin->parameters[i];
     if (!g_str_has_prefix(p->name, prefix)) continue;
     const char *word = p->name + strlen(prefix), *dot = strchr(word, '.');
     size_t n = dot ? (size_t)(dot - p->name) + 1 : strlen(p->name);
-    if (dot && last && !strncmp(last, p->name, n)) continue;
-    last = dot ? p->name : NULL;
+    if (dot && group_is_printed(plugin, i, n)) continue;
     g_autofree char *name = g_strndup(p->name, n);
     g_autofree char *value = dot ? NULL : example_text(p);
     gboolean needed =

@@ -55,7 +55,7 @@ typedef struct image_run {
   size_t layer;             /* layer of the gates */
   const eda_shapes *shapes; /* mask of that layer */
   int corrected;            /* 1: the mask differs from the drawn shapes */
-  double brightest;         /* end of the colour scale, clear field 1 */
+  double brightest; /* end of the colour scale, relative to the clear field */
   size_t n;
   image_model model[IMAGE_MODELS];
 } image_run;

@@ -315,7 +315,7 @@ static double image_legend(const void *self, double top) {
   (void)snprintf(high, sizeof high, "%.1f", r->brightest);
   eda_sign sign = {
       .kind = EDA_SIGN_RAMP, .ramp = eda_sequential, .low = "0", .high = high};
-  eda_legend_add(&l, &sign, "intensity, clear field 1");
+  eda_legend_add(&l, &sign, "intensity, relative to the clear field");
   view_add_scale_bar(v, &l);
   sign = sign_of(v, drawn_colour, line, 1);
   eda_legend_add(&l, &sign, "%s as drawn", r->gates->layer[r->layer]);

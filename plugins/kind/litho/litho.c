@@ -14,9 +14,9 @@ enum { LAYERS = 3 };
 /* Allowed deviation from the clear-field intensity 1. Models with truncated
    kernels deviate by about 1e-3. */
 static const double clear_tolerance = 0.02;
-/* Plausible intensities, clear field 1. Truncated kernels cause slightly
-   negative intensities; interference of partially coherent light raises the
-   intensity, to at most 2 at an edge. */
+/* Plausible intensities, relative to the clear field. Truncated kernels cause
+   slightly negative intensities; interference of partially coherent light
+   raises the intensity, to at most 2 at an edge. */
 static const double darkest = -0.05, brightest = 3;
 /* Allowed change of the intensity by a change of the frame. The periodic copies
    of the shapes are 1.5 um away. */

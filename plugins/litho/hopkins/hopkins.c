@@ -27,10 +27,10 @@ enum {
 /* Kernels for one defocus and one requested error. */
 typedef struct cut {
   double defocus; /* nm */
-  double wanted;  /* requested error, clear field 1 */
+  double wanted;  /* requested error, relative to the clear field */
   int64_t fixed;  /* requested number of kernels; OPC_NO_INT: as many as the
                      error requires */
-  double error;   /* measured error, clear field 1 */
+  double error;   /* measured error, relative to the clear field */
   kernels *kernels;
   cache_entry *entry; /* entry of the kernel cache; NULL: kernels are owned */
 } cut;
@@ -387,12 +387,13 @@ static int hopkins_image_fine(const void *self, int layer,
 
 static const opc_parameter parameters[] = {
     OPTICS_PARAMETERS(hopkins),
-    OPC_PARAMETER_NAMED("error", hopkins, wanted, .type = OPC_REAL,
-                        .flags = OPC_AT_LEAST | OPC_BELOW, .preset = "1.5e-3",
-                        .min = 5e-5, .max = 0.1,
-                        .summary = "largest error of the intensity by "
-                                   "truncation of kernels, clear field 1",
-                        .given = offsetof(hopkins, wanted_given)),
+    OPC_PARAMETER_NAMED(
+        "error", hopkins, wanted, .type = OPC_REAL,
+        .flags = OPC_AT_LEAST | OPC_BELOW, .preset = "1.5e-3", .min = 5e-5,
+        .max = 0.1,
+        .summary = "largest error of the intensity by "
+                   "truncation of kernels, relative to the clear field",
+        .given = offsetof(hopkins, wanted_given)),
     OPC_PARAMETER_NAMED("kernels", hopkins, fixed, .type = OPC_INT,
                         .flags = OPC_AT_LEAST | OPC_AT_MOST, .min = 1,
                         .max = 2000,
@@ -404,7 +405,7 @@ static const opc_metric metrics[] = {
     {"kernels", NULL, OPC_NEUTRAL, 0,
      "number of coherent kernels of the fast image"},
     {"error", NULL, OPC_LOWER, 1e-5,
-     "measured truncation error, clear field 1"},
+     "measured truncation error, relative to the clear field"},
     {"grid", "nm", OPC_LOWER, 1e-3, "largest grid spacing of an image"},
 };
 

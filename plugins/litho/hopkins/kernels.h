@@ -40,8 +40,8 @@ struct kernels {
 
 /* Return kernels of a circular or annular source and a pupil that depends on
    the radius only. `defocus`, nm, is added to optics.defocus. `real`: 1: the
-   pupil and all masks are real. `error`: requested error, clear field 1; a
-   smaller error takes more time. Free with kernels.free. */
+   pupil and all masks are real. `error`: requested error, relative to the clear
+   field; a smaller error takes more time. Free with kernels.free. */
 kernels *radial_new(const opc_context *context, const optics *o, double defocus,
                     int real, double error);
 

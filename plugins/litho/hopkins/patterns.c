@@ -179,8 +179,8 @@ void pattern_image(const opc_context *context, const kernels *k,
 
 /* ---- lines ---- */
 
-/* Smallest sum of coefficients that counts, clear field 1; smaller sums are
-   rounding errors of the spectrum. */
+/* Smallest sum of coefficients that counts, relative to the clear field;
+   smaller sums are rounding errors of the spectrum. */
 static const double nothing = 2e-6;
 
 int pattern_is_lines(const kernels *k, const eda_spectrum *mask) {

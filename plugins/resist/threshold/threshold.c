@@ -12,7 +12,8 @@
 
 typedef struct resist {
   resist_base base;
-  double given[RESIST_SETS]; /* threshold, clear field 1; NAN: calibrate */
+  double given[RESIST_SETS]; /* threshold, relative to the clear field; NAN:
+                                calibrate */
   double threshold[RESIST_SETS];
 } resist;
 
@@ -54,7 +55,7 @@ static int threshold_print(const void *self, int layer, eda_field *field,
 #define GIVEN(name_, what, set)                                               \
   {.name = name_, .type = OPC_REAL, .flags = OPC_ABOVE | OPC_BELOW,           \
    .min = 0, .max = 1,                                                        \
-   .summary = "threshold of " what ", clear field 1; replaces "             \
+   .summary = "threshold of " what ", relative to the clear field; replaces "             \
               "anchor and table",                                             \
    OPC_FIELD(resist, given[set])}
 /* clang-format on */

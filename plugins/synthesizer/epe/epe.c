@@ -423,10 +423,11 @@ static const opc_parameter parameters[] = {
            "extension of an assist feature past the ends of its edge"),
     NUMBER("assist_margin", sraf_margin, OPC_AT_LEAST, 0, "0.02",
            "intensity margin to printing below which an assist feature is "
-           "removed; clear field 1"),
+           "removed; relative to the clear field"),
     NUMBER("window.level", window_level, OPC_ABOVE, 0, "0.01",
            "intensity difference between the higher dose and the nominal dose "
-           "at the edge, equal to that of the lower dose; clear field 1"),
+           "at the edge, equal to that of the lower dose; relative to the "
+           "clear field"),
     NUMBER("window.weight", window_weight, OPC_AT_LEAST | OPC_AT_MOST, 1, "0",
            "weight of the errors at other doses in the feedback"),
 };

@@ -22,10 +22,10 @@ static const struct {
   const char *margin;
 } tuned = {
     /* The default of `radius` is the distance beyond which shapes change an
-       image by less than this error (clear field 1; eda_margin): 1.04 um at 193
-       nm, NA 0.75, sigma 0.75. The constant `radius`, nm, is the default for
-       models of unknown bandwidth. The verification measures the remaining
-       error. */
+       image by less than this error (relative to the clear field;
+       eda_margin): 1.04 um at 193 nm, NA 0.75, sigma 0.75. The constant
+       `radius`, nm, is the default for models of unknown bandwidth. The
+       verification measures the remaining error. */
     .radius_error = 1e-3,
     .radius = 1000,
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Litho model with checked results, as used by printer and resist. The resist
-   calls the model during calibration. This file separates faults of the model
-   from faults of the resist. */
+/* Wrapper of a litho model that checks the results. The simulation of printed
+   images calls the model, and so does the calibration of a resist. This file
+   separates faults of the model from faults of the resist. */
 #include <eda/print.h>
 #include <math.h>
 #include <string.h>

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Fourier transforms of lanes. A length n is factored into n1 * n2 of similar
-   size, so that each part fits the first-level cache (D. H. Bailey, J.
-   Supercomputing 4, 1990). Parts use Stockham's algorithm, which needs no
-   reordering (C. Van Loan, Computational Frameworks for the FFT, 1.7). */
+/* Fourier transforms of EDA_LANES signals at once, one in each lane of a
+   vector. A length n is factored into n1 * n2 of similar size, so that each
+   part fits the first-level cache (D. H. Bailey, J. Supercomputing 4, 1990).
+   Parts use Stockham's algorithm, which needs no reordering (C. Van Loan,
+   Computational Frameworks for the FFT, 1.7). */
 #include "imaging/lanes.h"
 
 #include <eda/simd.h>
@@ -97,8 +98,8 @@ size_t eda_lanes_capacity(const eda_lanes_plan *plan) {
 
 /* ---- stages ---- */
 
-/* A stage: `length` numbers at each of `step` positions, with strides in
-   memory. Number p + i * length / radix (input) becomes number radix * p + j
+/* A stage of the transform: `step` interleaved transforms of `length` numbers
+   each. Number p + i * length / radix (input) becomes number radix * p + j
    (output). */
 typedef struct stage {
   int length, step;
@@ -281,8 +282,9 @@ void eda_lanes_backward(const eda_lanes_plan *plan, eda_lanes *a,
 
 /* ---- tiles ---- */
 
-/* Exchange blocks of d lanes between points i and i + d: KEEP and TAKE are the
-   lanes of the two results. */
+/* One step of the transposition of a tile: exchange blocks of d lanes between
+   the vectors i and i + d. KEEP and TAKE: source lanes of both results, in the
+   numbering of __builtin_shufflevector. */
 #define KEEP(l, d) ((l) & (d) ? (l) - (d) + EDA_LANES : (l))
 #define TAKE(l, d) ((l) & (d) ? (l) + EDA_LANES : (l) + (d))
 #define SIXTEEN(f, d)                                                     \
@@ -296,7 +298,7 @@ void eda_lanes_backward(const eda_lanes_plan *plan, eda_lanes *a,
     v[i] = __builtin_shufflevector(a, b, SIXTEEN(KEEP, d));       \
     v[i + (d)] = __builtin_shufflevector(a, b, SIXTEEN(TAKE, d)); \
   }
-_Static_assert(EDA_LANES == 16, "tiles are turned in four steps");
+_Static_assert(EDA_LANES == 16, "a tile is transposed in four steps");
 
 EDA_WIDE void eda_lanes_turn(const eda_vector *from, size_t from_stride,
                              eda_vector *to, size_t to_stride) {

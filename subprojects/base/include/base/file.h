@@ -31,8 +31,9 @@ gboolean opc_is_id(const char *name);
 char *opc_executable_folder(void);
 
 /* Return the path PREFIX/`in`/opcflow/`name` of an installed file or folder
-   (g_free). The folder of the executable must be PREFIX followed by one of
-   `places` ("/bin", NULL-terminated); otherwise return NULL. An installation
-   can therefore be moved. If `in` is absolute, return `in`/opcflow/`name`. */
+   (g_free). The folder of the running executable must be PREFIX followed by one
+   of `places`, a NULL-terminated array of paths such as "/bin"; otherwise
+   return NULL. A moved installation still finds these files. If `in` is
+   absolute, return `in`/opcflow/`name`. */
 char *opc_installed(const char *const *places, const char *in,
                     const char *name);

@@ -15,7 +15,7 @@ typedef struct gate_srafs {
   double width, distance, space;
   double min_length, overhang;
   double margin; /* smallest distance of the intensity from the printing
-                    threshold, clear field 1 */
+                    threshold, relative to the clear field */
   eda_box_list srafs;
   size_t dropped; /* number of removed scatter bars */
 } gate_srafs;

@@ -6,9 +6,10 @@
 #include <eda/print.h>
 #include <opcflow/plugin.h>
 
-/* Set *fine to the image error of accurate simulations, clear field 1. `text`:
-   a number; "off": *fine is 0; NULL: *fine is the error that `limit`, in % of
-   Ion, permits, from 5e-5 to 5e-4. Return OPC_INVALID for any other text. */
+/* Set *fine to the image error of accurate simulations, relative to the clear
+   field. `text`: a number; "off": *fine is 0; NULL: *fine is the error that
+   `limit`, in % of Ion, permits, from 5e-5 to 5e-4. Return OPC_INVALID for any
+   other text. */
 OPC_EXPORT int correct_fine_error(const char *text, double limit, double *fine,
                                   opc_error *error);
 

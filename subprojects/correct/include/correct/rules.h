@@ -44,21 +44,23 @@ OPC_EXPORT int correct_rules_report(const opc_host *host,
                       "0.155 lambda/NA",                                   \
                       "Smallest allowed width of the mask"),               \
       RULES_PARAMETER(state, "min_edge", EDA_RULE_EDGE, "0.078 lambda/NA", \
-                      "Smallest allowed length of a mask edge adjacent "   \
-                      "to an edge of equal or smaller length"),            \
+                      "Smallest allowed length of a mask edge, unless "    \
+                      "both adjacent edges are longer"),                   \
       OPC_PARAMETER_NAMED(                                                 \
           "min_jog", state, with.rules[EDA_RULE_JOG], .type = OPC_REAL,    \
           .flags = OPC_AT_LEAST, .unit = "nm", .preset = "1 nm", .min = 0, \
           .summary = "Smallest allowed height of a jog of the mask")
-#define RULES_METRICS                                                          \
-  {"mask_violations", NULL, OPC_LOWER, 0,                                      \
-   "violations of mask rules: sum of the next four"},                          \
-      {"mask_violations_added", NULL, OPC_LOWER, 0,                            \
-       "violations of mask rules beyond those of the drawn layout, summed by " \
-       "layer and rule"},                                                      \
-      {"mask_space", NULL, OPC_LOWER, 0, "spaces below min_space"},            \
-      {"mask_width", NULL, OPC_LOWER, 0, "widths below min_mask_width"},       \
-      {"mask_edge", NULL, OPC_LOWER, 0, "edges below min_edge"}, {             \
-    "mask_jog", NULL, OPC_LOWER, 0, "jogs below min_jog"                       \
+#define RULES_METRICS                                                        \
+  {"mask_violations", NULL, OPC_LOWER, 0,                                    \
+   "violations of mask rules: sum of mask_space, mask_width, mask_edge and " \
+   "mask_jog"},                                                              \
+      {"mask_violations_added", NULL, OPC_LOWER, 0,                          \
+       "violations of mask rules that the drawn layout does not have, "      \
+       "counted "                                                            \
+       "for each layer and rule, then added"},                               \
+      {"mask_space", NULL, OPC_LOWER, 0, "spaces below min_space"},          \
+      {"mask_width", NULL, OPC_LOWER, 0, "widths below min_mask_width"},     \
+      {"mask_edge", NULL, OPC_LOWER, 0, "edges below min_edge"}, {           \
+    "mask_jog", NULL, OPC_LOWER, 0, "jogs below min_jog"                     \
   }
 /* clang-format on */

@@ -29,7 +29,7 @@ typedef struct sraf_search_state {
   double min_length, length;                  /* smallest and largest length,
                                                  nm */
   double margin; /* smallest distance of the intensity from the printing
-                    threshold, clear field 1 */
+                    threshold, relative to the clear field */
   /* Scatter bars of the current mask. */
   eda_box_list srafs;
   size_t dropped; /* number of removed scatter bars */

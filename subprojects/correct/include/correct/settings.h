@@ -20,13 +20,13 @@ typedef struct correct_settings {
   const opc_module *litho, *resist, *extractor;
   const opc_module *synthesizer, *regulator; /* NULL: none */
   int64_t max_iterations;
-  const char *fine_text;   /* parameter `fine` */
-  double fine;             /* error of accurate simulations, clear field 1; 0:
-                              none */
-  opc_reals overlay;       /* displacement of the image of active against poly
-                              along x and y, nm; empty: none */
-  double margin;           /* clear field around the layout, nm */
-  double ion_limit;        /* largest allowed |Ion deviation|, % */
+  const char *fine_text; /* parameter `fine` */
+  double fine;       /* largest image error of accurate simulations, relative
+                        to the clear field; 0: no accurate simulations */
+  opc_reals overlay; /* displacement of the image of active against poly
+                        along x and y, nm; empty: none */
+  double margin;     /* clear field around the layout, nm */
+  double ion_limit;  /* largest allowed |Ion deviation|, % */
   double rules[EDA_RULES]; /* limits of the mask rules, nm */
   int guard;
 } correct_settings;
@@ -47,8 +47,8 @@ OPC_EXPORT void correct_forecast(const correct_settings *with,
 
 /* Simulate and measure the shapes of a mask, with the accurate model if one
    exists. Set print, after, flags and the numbers of simulations of the mask.
-   If the mask has no design, compute the design; otherwise the caller must
-   prepare the extractor before the call.
+   If mask->design (performance of the drawn transistors) is not set, compute
+   the design. If it is set, the caller must have prepared the extractor.
 
    `sized`: 1: the resist may be calibrated with these transistors; 0: the gates
    are a part of a larger layout. If `flags_before` is not NULL, the drawn
@@ -68,9 +68,9 @@ OPC_EXPORT int correct_violations(const opc_context *context,
                                   eda_violation **violations, size_t *count,
                                   opc_error *error);
 
-/* correct_save_mask: save a mask; opc_step.save of a step whose output is a
-   mask. correct_sketch_mask: make a mask without shapes; opc_step.sketch of
-   such a step. */
+/* correct_save_mask: save a mask. Use as opc_step.save of a step that outputs a
+   mask. correct_sketch_mask: make a mask without shapes. Call in
+   opc_step.sketch of such a step. */
 OPC_EXPORT int correct_sketch_mask(const eda_gates *gates, void **outputs);
 OPC_EXPORT int correct_save_mask(void *self, void *const *outputs,
                                  const char *folder, opc_error *error);
@@ -105,12 +105,13 @@ OPC_EXPORT int correct_save_mask(void *self, void *const *outputs,
                           "Width of the clear field around the layout " \
                           "(default: as required by 'fine')")
 
-#define CORRECT_FINE(state)                                                    \
-  OPC_PARAMETER_NAMED(                                                         \
-      "fine", state, with.fine_text, .type = OPC_TEXT,                         \
-      .summary =                                                               \
-          "Image error of the accurate simulations that produce the reported " \
-          "figures, clear field 1; off: fast simulations only")
+#define CORRECT_FINE(state)                                                   \
+  OPC_PARAMETER_NAMED(                                                        \
+      "fine", state, with.fine_text, .type = OPC_TEXT,                        \
+      .summary =                                                              \
+          "Largest image error of the accurate simulations that produce the " \
+          "reported figures, relative to the clear field; off: fast "         \
+          "simulations only")
 
 #define CORRECT_OVERLAY(state)                                                \
   OPC_PARAMETER_NAMED("overlay", state, with.overlay, .type = OPC_REALS,      \

@@ -61,6 +61,8 @@ OPC_EXPORT int eda_check_cuts(const eda_gates *gates, int layer,
 OPC_EXPORT int eda_check_moves(const eda_gates *gates, const eda_moves *moves,
                                const size_t *fragments, opc_error *error);
 
+/* eda_check_ruling: check the vetoes and line ends that a regulator returns.
+   eda_check_violations: check n violations; `gates`: number of transistors. */
 OPC_EXPORT int eda_check_ruling(const eda_gates *gates,
                                 const eda_ruling *ruling, opc_error *error);
 OPC_EXPORT int eda_check_violations(const eda_violation *violations, size_t n,
@@ -98,7 +100,8 @@ OPC_EXPORT int eda_call_slice(const opc_context *context,
                               const eda_printed_gate *gate, size_t n,
                               double *slicing, opc_error *error);
 
-/* Call eda_resist.print: *field is the intensity, then the level set. */
+/* Call eda_resist.print. Before the call, *field has the intensity; afterwards,
+ *field has the level set. */
 OPC_EXPORT int eda_call_print(const opc_context *context,
                               const opc_module *resist, int layer,
                               eda_field *field, opc_error *error);

@@ -85,14 +85,15 @@ OPC_EXPORT double eda_curves_narrow_length(const eda_curves *curves, int type,
                                            int current, double logarithm,
                                            const eda_curves_width *width,
                                            double near);
-/* Return the minimum, over the lengths of the table, of the current per width
-   of a transistor of this width divided by that of a wide transistor; at most
-   1. Between two widths of the table, the minima are interpolated linearly in 1
-   / W. */
+/* For each length of the table, divide the current per width of a transistor of
+   this width by the current per width of a wide transistor. Return the smallest
+   of these ratios, at most 1. Between two widths of the table, the minima are
+   interpolated linearly in 1 / W. */
 OPC_EXPORT double eda_curves_least_share(const eda_curves *curves, int type,
                                          int current,
                                          const eda_curves_width *width);
 
+/* Return the shortest and the longest length of the table, nm. */
 OPC_EXPORT double eda_curves_shortest(const eda_curves *curves);
 OPC_EXPORT double eda_curves_longest(const eda_curves *curves);
 /* Return the narrowest width of a table of several widths, nm; otherwise 0. */

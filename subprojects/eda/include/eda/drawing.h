@@ -44,12 +44,13 @@ OPC_EXPORT eda_colour eda_diverging(double t);
    monotone lightness, also when printed in grey; t is clamped. */
 OPC_EXPORT eda_colour eda_sequential(double t);
 
+/* Set the current colour of a drawing context. */
 OPC_EXPORT void eda_use(cairo_t *cairo, eda_colour colour);
 
 /* ---- paper ------------------------------------------------------------ */
 
-/* A drawing surface with its file. Each function below leaves solid lines and
-   the normal font, and leaves the current colour unchanged or eda_ink. */
+/* A drawing surface with its file. After each function below, lines are solid
+   and the font is normal; the current colour is unchanged or eda_ink. */
 typedef struct eda_paper {
   cairo_t *cairo; /* drawing context */
   double width, height;
@@ -157,7 +158,8 @@ OPC_EXPORT void eda_axis_fit(eda_axis *axis, const double *value, size_t n);
    range around 0 (logarithmic axis: 1). */
 OPC_EXPORT void eda_axis_widen(eda_axis *axis, double share, double least);
 
-/* Set the texts of an axis and its range, with an equal part for each text. */
+/* Set the texts of an axis, and a range in which each text has an equal part.
+ */
 OPC_EXPORT void eda_axis_label(eda_axis *axis, const char *const *label,
                                size_t labels);
 
@@ -193,8 +195,9 @@ OPC_EXPORT void eda_chart_band(const eda_chart *chart, eda_colour colour,
                                const double *x, const double *low,
                                const double *high, size_t n);
 
-/* Draw a rectangle for each pair of axis texts in the colour of its figure,
-   figure[x * y.labels + y], on the colour scale `of`; NAN is grey with a cross.
+/* Draw a heat map: one rectangle for each pair of an x text and a y text. The
+   colour scale `of` maps figure[x * y.labels + y] to the colour; NAN is grey
+   with a cross.
    Draw the scale at the right. Call before eda_chart_axes. */
 OPC_EXPORT void eda_chart_field(const eda_chart *chart, const eda_axis *of,
                                 const double *figure);

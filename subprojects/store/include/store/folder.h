@@ -18,16 +18,17 @@ typedef struct opc_folder {
   gboolean kept; /* the run could not be renamed and stays in `work` */
 } opc_folder;
 
-/* Return OPC_OK if the result may be written to `target`: the target does not
-   exist, or `force` is set and the target is an empty folder or an unchanged
-   run. Otherwise return OPC_IO and *error. */
+/* Return OPC_OK if the result may be written to `target`. Either the target
+   does not exist, or `force` is set and the target is an empty folder or a run
+   folder whose files have not changed since the run. Otherwise return OPC_IO
+   and *error. */
 int opc_folder_allowed(const char *target, gboolean force, opc_error *error);
 
-/* Return a new slot with an empty folder beside `target`. Slots of killed runs
-   with this target are removed, and earlier runs in these slots restored.
-   `sole`: fail if another run with this target is active. Missing parent
-   folders are created. NULL and *error on failure: OPC_INVALID if the target
-   does not end in a name, else OPC_IO. */
+/* Return a new slot with an empty folder beside `target`. Slots that killed
+   runs left for this target are removed; an earlier run in such a slot is first
+   moved back to the target. `sole`: fail if another run with this target is
+   active. Missing parent folders are created. NULL and *error on failure:
+   OPC_INVALID if the target does not end in a name, else OPC_IO. */
 opc_folder *opc_folder_open(const char *target, gboolean sole,
                             opc_error *error);
 
