@@ -372,18 +372,18 @@ static void log_findings(const variation *v) {
   double all = (double)(v->points + v->left_out) * (double)v->gates->count;
   if (v->open)
     v->host->log(v->host, OPC_LOG_FINDING,
-                 "variation: %.2g %% of the measured transistors do not print; "
+                 "%.2g %% of the measured transistors do not print; "
                  "their currents are extrapolated from other conditions",
                  100 * (double)v->open / all);
   if (v->failed)
     v->host->log(v->host, OPC_LOG_FINDING,
-                 "variation: %.2g %% of the measured transistors do not print "
+                 "%.2g %% of the measured transistors do not print "
                  "as one separate transistor; the currents of these are "
                  "estimates",
                  100 * (double)v->failed / all);
   if (v->outside)
     v->host->log(v->host, OPC_LOG_FINDING,
-                 "variation: %.2g %% of the measured transistors are outside "
+                 "%.2g %% of the measured transistors are outside "
                  "of the device table; their currents are extrapolated",
                  100 * (double)v->outside / all);
 }
