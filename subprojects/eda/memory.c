@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Memory of the library, allocated by GLib: malloc, but the program ends if
-   none is left. */
+/* Memory allocation of the library by GLib, which calls malloc and ends the
+   program if memory is exhausted. */
 #include <eda/memory.h>
 #include <glib.h>
 

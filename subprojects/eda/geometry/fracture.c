@@ -26,7 +26,8 @@ typedef struct slab {
   uint32_t contour; /* any contour of the polygon that contains the slab */
 } slab;
 
-/* Interval of a slab closed at the current x. */
+/* The ranks of both ends, and the contour, of a slab that was closed at the
+   current x. */
 typedef struct span {
   uint32_t r0, r1, contour;
 } span;
@@ -45,8 +46,9 @@ typedef struct fracture {
   uint32_t ranks;
   eda_rankset open; /* ranks of the lower ends of open slabs */
   slab *slabs;
-  span *closed; /* slabs closed at the current x, by increasing y */
-  uint32_t *ends;
+  span *closed;   /* slabs closed at the current x, by increasing y */
+  uint32_t *ends; /* ranks of the ends of closed slabs and of edges at the
+                     current x */
   size_t n_closed, n_ends;
   uint32_t
       *parent; /* union-find forest: contours of one polygon form one tree */
@@ -54,8 +56,6 @@ typedef struct fracture {
                        [1] */
   size_t n_pieces[2], capacity[2];
 } fracture;
-
-/* ---- polygons and their holes ---- */
 
 /* ---- edges ---- */
 
@@ -170,9 +170,10 @@ static void unite_edges(fracture *f, const side *sides, size_t n) {
   }
 }
 
-/* Open a slab from r0 to r1. The slab belongs to the polygon of an edge within
-   the slab, or of a closed slab that continues. `edge` and `old` advance to the
-   first candidate edge and the first candidate slab. */
+/* Open a slab from r0 to r1. The slab belongs to the polygon of an edge that
+   overlaps the slab, or else to the polygon of the closed slab that the new
+   slab continues. Calls have increasing r0. *edge and *old, indices of an edge
+   and of a closed slab, skip those below r0. */
 static void open_slab(fracture *f, const side *sides, size_t n, uint32_t r0,
                       uint32_t r1, size_t *edge, size_t *old) {
   while (*edge < n && sides[*edge].r1 <= r0) ++*edge;

@@ -7,7 +7,8 @@ static int pixel(const bitmap *b, int x, int y) {
   return x >= 0 && y >= 0 && x < SIZE && y < SIZE && b->at[y][x];
 }
 
-/* Return whether any pixel, or all pixels, around a pixel are set. */
+/* Return whether any pixel (`by` > 0), or each pixel (`by` < 0), at a distance
+   of at most |by| from a pixel along x and y is set. */
 static int around(const bitmap *b, int x, int y, int by) {
   int any = 0, all = 1, r = ABS(by);
   for (int v = y - r; v <= y + r; v++)

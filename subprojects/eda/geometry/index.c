@@ -7,9 +7,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Largest number of cells for each box (reached if boxes are sparse), and
-   largest average number of cells that a box touches (reached if boxes are
-   large). */
+/* Limits that enlarge the cells: the largest number of cells divided by the
+   number of boxes, for sparse boxes; the largest average number of cells that a
+   box touches, for large boxes. */
 enum { CELLS_OF_BOX = 4, PLACES_OF_BOX = 64 };
 
 struct eda_index {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Mask rules. From each edge, a search to the right or upwards finds the edges
-   that face the edge. If the shape is on the searched side, the distance is a
-   width; otherwise a space. Nearer edges hide farther edges. */
+/* Mask rules. A search to the right or upwards from each edge finds the edges
+   that face this edge. If the shape is on the searched side, the distance is a
+   width; otherwise the distance is a space. Nearer edges hide farther edges. */
 #include "eda/rules.h"
 
 #include <math.h>
@@ -10,14 +10,16 @@
 #include "eda/index.h"
 #include "eda/memory.h"
 
-/* Direction from an edge. */
+/* Sides of an edge. */
 enum { LEFT, RIGHT, BELOW, ABOVE };
 
 static int side_upright(int side) { return side == LEFT || side == RIGHT; }
 static int side_opposite(int side) { return side ^ 1; }
 
+/* A found edge: its distance from the start edge, and the part of the start
+   edge that the found edge faces, from `low` to `high`. */
 typedef struct facing {
-  int32_t distance, low, high; /* overlap with the start edge, along the edge */
+  int32_t distance, low, high;
 } facing;
 
 typedef struct mask {
@@ -32,10 +34,11 @@ typedef struct mask {
   eda_rule_fault *fault;
   size_t faults, faults_capacity;
 
-  /* Start edge of the search. */
-  eda_box from;
-  int side, shape; /* 1: the search passes through the shape (width); 0: through
-                      space */
+  /* The current search. */
+  eda_box from; /* start edge */
+  int side;     /* searched side of the start edge: RIGHT or ABOVE */
+  int shape;    /* EDA_RULE_WIDTH (1): the search passes through the shape;
+                   EDA_RULE_SPACE (0): through space */
   facing *found;
   size_t n, capacity;
 } mask;
@@ -48,8 +51,8 @@ static void mask_report(mask *m, int rule, double x, double y, double value) {
 
 /* ---- edges ---- */
 
-/* Record edge i if edge i ends the search. A search through the shape ends at
-   an edge with the shape on the near side; a search through space, at an edge
+/* Record edge i if it faces the start edge. A search through the shape ends at
+   edges with the shape on the near side. A search through space ends at edges
    with the shape on the far side. */
 static void edge_record(mask *m, uint32_t i) {
   eda_box e = m->edge[i], f = m->from;
@@ -118,9 +121,10 @@ static void look_from(mask *m, size_t i) {
 
 enum { CONVEX = 1, QUADRANT_RIGHT = 2, QUADRANT_ABOVE = 4 };
 
-/* Return whether a corner is convex, and the quadrant with an interior angle of
-   90 degrees: shape at a convex corner, space at a concave corner. `in` and
-   `out` are the inward sides of both edges. */
+/* Return the flags of the corner b between the points a and c: whether the
+   corner is convex, and which of the four quadrants at b the two edges enclose.
+   That quadrant is shape at a convex corner, and space at a concave corner.
+   `in` and `out` are the sides on which the shape is, for both edges. */
 static uint8_t corner_of(eda_point a, eda_point b, eda_point c, int in,
                          int out) {
   int64_t turn = ((int64_t)b.x - a.x) * ((int64_t)c.y - b.y) -

@@ -121,7 +121,8 @@ static void test_bars(void) {
   }
 }
 
-/* Diagonal distance of corners: 3 and 4 steps yield 2.5 nm. */
+/* Corners that are 3 steps of 0.5 nm apart along x and 4 steps along y have a
+   diagonal distance of 2.5 nm. */
 static void test_corners(void) {
   drawing d = {0};
   eda_rule_fault f;

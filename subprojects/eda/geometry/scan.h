@@ -26,8 +26,9 @@ typedef struct eda_event {
 enum { EDA_MAJOR, EDA_MINOR };
 void eda_sort(eda_event *events, size_t n, int key);
 
-/* Sort the events by minor key, and replace each minor key by the rank (0 ..
- *ranks - 1) of the key. Return the key of each rank (g_free). */
+/* Sort the events by minor key, set *ranks to the number of different keys, and
+   replace each minor key by its rank, from 0. Return an array with the key of
+   each rank; free the array with g_free. */
 uint32_t *eda_rank_minor(eda_event *events, size_t n, uint32_t *ranks);
 
 /* ---- rankset.c ---- */
@@ -64,7 +65,8 @@ int eda_shapes_check(const eda_shapes *shapes, opc_error *error);
 /* A vertical edge of merged shapes. */
 typedef struct eda_wall {
   int32_t x, y0, y1; /* y0 < y1 */
-  int32_t left;      /* 1: the interior is to the right of the wall */
+  int32_t left; /* 1: left border, the interior is to the right of the wall;
+                   0: right border */
 } eda_wall;
 
 /* Connect n walls of merged shapes to outlines and holes in *out. The walls

@@ -5,6 +5,8 @@
 
 #include "geometry/scan.h"
 
+/* Bits of a digit, and values of a digit. Up to FEW events are sorted by
+   insertion, which is then faster. */
 enum { DIGIT = 11, BUCKETS = 1 << DIGIT, FEW = 96 };
 
 static uint32_t key_of(const eda_event *e, int key) {
@@ -30,7 +32,7 @@ static int sort_digit(const eda_event *from, eda_event *to, size_t n, int key,
   return 1;
 }
 
-/* Sort few events by insertion; stable as the radix sort. */
+/* Sort events by insertion. The sort is stable, as the radix sort is. */
 static void sort_insertion(eda_event *events, size_t n, int key) {
   for (size_t i = 1; i < n; i++) {
     eda_event e = events[i];

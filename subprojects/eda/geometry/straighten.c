@@ -7,7 +7,7 @@
 typedef struct ring {
   eda_point *p;
   uint32_t n;
-  int64_t most;
+  int64_t most; /* largest deviation of an edge from an axis */
 } ring;
 
 static int64_t edge_part(const ring *r, uint32_t i, int axis) {
@@ -28,9 +28,9 @@ static int32_t *coordinate(const ring *r, uint32_t i, int axis) {
   return axis == 0 ? &p->x : &p->y;
 }
 
-/* Set the coordinate `axis` of `count` consecutive edges to the middle of its
-   range, unless the range exceeds the limit. Return the number of changed
-   edges. */
+/* Set the coordinate `axis` of all points of `count` consecutive edges to the
+   middle between its smallest and largest value, unless these differ by more
+   than the limit. Return the number of changed edges. */
 static size_t ring_level(const ring *r, uint32_t first, uint32_t count,
                          int axis) {
   int32_t low = *coordinate(r, first, axis), high = low;

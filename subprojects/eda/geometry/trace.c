@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Outlines and holes of merged shapes from the vertical edges. On each
-   horizontal line, pair the ends of vertical edges from left to right. The
-   pairs determine the successor of each vertical edge. Takes O(n). */
+/* Reconstruction of the outlines and holes of merged shapes from their vertical
+   edges. On each horizontal line, the ends of vertical edges are paired from
+   left to right: a horizontal edge connects both ends of a pair. The pairs
+   therefore determine the successor of each vertical edge. Takes O(n). */
 #include <glib.h>
 #include <string.h>
 
@@ -11,8 +12,8 @@ typedef struct trace {
   const eda_wall *walls;
   size_t n;
   uint32_t *next;      /* number of the wall that follows each wall */
-  eda_event *contours; /* lowest point of each contour (major y, minor x) and
-                          the wall at this point */
+  eda_event *contours; /* lowest, then leftmost point of each contour (major: y,
+                          minor: x); payload: number of the wall there */
   size_t n_contours;
 } trace;
 
@@ -30,9 +31,10 @@ static void link_pair(trace *t, uint32_t p, uint32_t q) {
     t->next[b] = a;
 }
 
-/* If two walls meet end to end in a corner, order their ends so that touching
-   shapes stay separate: each horizontal edge joins the wall that bounds the
-   same interior. */
+/* If two walls meet end to end at one point, two shapes or holes touch there in
+   a corner. Order the ends of both walls so that each horizontal edge is
+   connected to the wall that bounds the same interior. Touching shapes then
+   stay separate. */
 static void order_corner(const trace *t, eda_event *lower) {
   if (lower[0].major != lower[1].major || lower[0].minor != lower[1].minor)
     return;

@@ -49,8 +49,9 @@ static int32_t named_layer(const eda_layout *layout, const char *name) {
   return layer;
 }
 
-/* Set the numbers of the layers of an expression. Fail if a layer is missing
-   or depends on `target`. */
+/* Set the numbers of the layers in an expression. `target` is the layer that
+   the expression defines; -1 if the expression was passed to eda_layout_select.
+   Fail if a layer is missing, or is or depends on `target`. */
 static int expression_resolve(const eda_layout *layout, expression *e,
                               int32_t target, opc_error *error) {
   if (e->kind != EXPRESSION_LAYER) {
@@ -96,8 +97,9 @@ int eda_layout_derive(eda_layout *layout, const char *name, const char *text,
   return code;
 }
 
-/* Register an expression that was selected by its text. Return the number of
-   the layer. */
+/* Register an expression that was passed to eda_layout_select, unless an
+   expression with the same text is already registered. Return the number of its
+   layer. */
 static int32_t selected_keep(const eda_layout *layout, expression *e) {
   eda_layout *writable = (eda_layout *)layout;
   g_mutex_lock(&writable->lock);
@@ -139,11 +141,13 @@ const char *derived_text(const eda_layout *layout, int32_t layer) {
 
 /* ---- evaluation ---- */
 
-/* A layer whose shapes appear in the result: its flat shapes determine the
-   placements of the result. */
+/* An operand layer that contributes shapes to the result and is not subtracted.
+   The flat shapes of sources determine the placements of the boxes of the
+   result. */
 typedef struct source {
   eda_flat flat;
-  int32_t grown; /* growth between the layer and the result, grid units */
+  int32_t grown; /* sum of all growths of the layer in the expression, grid
+                    units; 0 if negative */
 } source;
 
 typedef struct evaluation {
@@ -166,8 +170,8 @@ static int growth_units(const evaluation *v, const expression *e,
                   e->length, v->grid);
 }
 
-/* Flatten a layer. If the layer contributes shapes (`positive`), keep the flat
-   shapes as a source. */
+/* Flatten a layer and merge its shapes to *out. If `positive` is 1, the layer
+   is not subtracted: keep its flat shapes as a source. */
 static int evaluate_layer(evaluation *v, const expression *e,
                           const eda_box *window, int32_t grown, int positive,
                           eda_shapes *out) {
@@ -222,8 +226,8 @@ static int evaluate_growth(evaluation *v, const expression *e,
   return code;
 }
 
-/* Compute the merged shapes of an expression. Inside the window the shapes are
-   those of the whole layout. */
+/* Compute the merged shapes of an expression. Inside the window, they cover the
+   same points as the shapes of the whole layout. */
 static int evaluate_any(evaluation *v, const expression *e,
                         const eda_box *window, int32_t grown, int positive,
                         eda_shapes *out) {
@@ -250,7 +254,8 @@ static void placed_add(placed *p, eda_box box, uint32_t placement) {
   eda_box_list_add(&p->boxes, box);
 }
 
-/* Dissect the shapes of a source into boxes, grown, with their placements. */
+/* Dissect the shapes of a source into boxes, and add the boxes, enlarged by
+   s->grown, with their placements to *out. */
 static int source_boxes(const source *s, placed *out, opc_error *error) {
   int code = OPC_OK;
   for (size_t i = 0; i < s->flat.shapes.count && !code; i++) {
@@ -281,8 +286,8 @@ static eda_box box_both(eda_box a, eda_box b) {
                    MIN(a.y1, b.y1)};
 }
 
-/* Give the parts of *result inside the boxes of a source their placements, and
-   remove these parts from *result. */
+/* Add the parts of *result that are covered by boxes of a source to *out, with
+   the placements of these boxes, and remove the parts from *result. */
 static int place_source(const source *s, eda_shapes *result, placed *out,
                         opc_error *error) {
   placed from = {0};
@@ -314,7 +319,8 @@ static int place_source(const source *s, eda_shapes *result, placed *out,
   return code;
 }
 
-/* Parts of the result outside all sources belong to the top cell. */
+/* Add the parts of the result outside all sources to *out, with placement 0:
+   the top cell. */
 static int place_rest(const eda_shapes *result, placed *out, opc_error *error) {
   eda_box *boxes = NULL;
   size_t n = 0;

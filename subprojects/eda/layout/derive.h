@@ -4,8 +4,7 @@
 
 #include "layout/layout.h"
 
-/* Layers that eda_layout_select made from an expression have numbers from here
-   on. */
+/* Smallest number of a layer that eda_layout_select made from an expression. */
 enum { EDA_SELECTED = 1 << 30 };
 
 /* Return the text of the expression of a layer; NULL for other layers. [any] */

@@ -157,7 +157,8 @@ static void test_random(void) {
   g_rand_free(r);
 }
 
-/* Boxes keep the placement of the positive layer that covers them. */
+/* Boxes have the placement of the shape that covers them, on a layer that is
+   not subtracted. */
 static void test_placements(void) {
   opc_error e;
   eda_flat flat;
@@ -200,9 +201,9 @@ static void test_faults(void) {
       {"drawn +", "a layer or '(' at character 8, found the end"},
       {"drawn drop", "an operator or the end at character 7, found 'd'"},
       {"grow(drawn)", "',' and a length at character 11"},
-      {"grow(drawn, 10)", "a length from 0 to 1 mm"},
-      {"grow(drawn, 10 V)", "a length from 0 to 1 mm"},
-      {"grow(drawn, -1 nm)", "a length from 0 to 1 mm"},
+      {"grow(drawn, 10)", "a length above 0 and below 1 mm"},
+      {"grow(drawn, 10 V)", "a length above 0 and below 1 mm"},
+      {"grow(drawn, -1 nm)", "a length above 0 and below 1 mm"},
       {"drawn - 33/43", "the layout has no layer '33/43'"},
       {"no_such", "the layout has no layer 'no_such'"},
   };

@@ -46,7 +46,8 @@ static void skip_blanks(parser *p) {
   while (g_ascii_isspace(*p->at)) p->at++;
 }
 
-/* Skip blanks and then the character c, if present. */
+/* Skip blanks. If the character c follows, skip it and return 1; otherwise
+   return 0. */
 static int parser_accept(parser *p, char c) {
   skip_blanks(p);
   if (*p->at != c) return 0;
@@ -84,7 +85,7 @@ static double parse_length(parser *p) {
                       : 0;
   if (length > 0 && length < MOST_LENGTH) return length;
   p->at = start;
-  parser_fail(p, "a length from 0 to 1 mm with its unit, such as 10 nm,");
+  parser_fail(p, "a length above 0 and below 1 mm with its unit (10 nm)");
   return 0;
 }
 
@@ -152,7 +153,8 @@ static expression *parse_product(parser *p) {
   return e;
 }
 
-/* Return the operator of a sum that follows, which is skipped; -1: none. */
+/* If +, - or ^ follows, skip the operator and return its number, EDA_OR,
+   EDA_NOT or EDA_XOR; otherwise return -1. */
 static int sum_operator(parser *p) {
   if (parser_accept(p, '+')) return EDA_OR;
   if (parser_accept(p, '-')) return EDA_NOT;

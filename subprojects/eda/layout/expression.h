@@ -13,12 +13,13 @@ typedef enum expression_kind {
 
 typedef struct expression {
   expression_kind kind;
-  int op;                   /* of a boolean: EDA_OR ... EDA_XOR */
-  double length;            /* of a growth, nm; negative: shrink */
-  char *text;               /* of the whole expression; NULL: a part */
-  char *name;               /* of a layer */
-  int32_t layer;            /* number of the layer, set by the owner */
-  struct expression *a, *b; /* operands; `b` only of a boolean */
+  int op;        /* BOOLEAN: EDA_OR ... EDA_XOR */
+  double length; /* GROW: growth, nm; negative: shrink */
+  char *text;    /* text of the whole expression; NULL in operands */
+  char *name;    /* LAYER: name */
+  int32_t layer; /* LAYER: number, -1 until the owner of the expression sets
+                    the number */
+  struct expression *a, *b; /* operands of BOOLEAN; `a`: operand of GROW */
 } expression;
 
 /* Parse a text. Return NULL and *error with the position of the fault on

@@ -49,7 +49,7 @@ typedef struct flattener {
   double ratio, grid;
   const eda_box *window; /* NULL: flatten the whole layer */
   const reach *reach;    /* extents of cells, if there is a window */
-  /* Numbers of shapes, points and traversed placements in each cell and all
+  /* Numbers of shapes, points and placements to traverse in each cell and all
      cells below; not computed for a window. */
   uint64_t *shapes, *points, *steps;
   uint32_t *useful; /* instances that contain shapes or texts of the layer */
@@ -116,9 +116,10 @@ static void put_shape(flattener *f, const frame *at, const sheet *s, size_t i) {
   put_shape_end(f, at->number);
 }
 
-/* Return the number of shapes of the layer that the cell itself has, without
-   the cells below; of texts, if texts are flattened. Set *s to the shapes (NULL
-   for texts). */
+/* If shapes are flattened, return the number of shapes of the layer in the cell
+   itself, without the cells below, and set *s to the shapes. If texts are
+   flattened, return the number of the cell's texts on all layers, and set *s to
+   NULL. */
 static size_t own_items(const flattener *f, const cell *c, const sheet **s) {
   *s = f->texts ? NULL : eda_layout_sheet(c, f->layer);
   if (f->texts) return c->n_labels;
@@ -188,11 +189,11 @@ static bool flattener_reserve(flattener *f, size_t n) {
 }
 
 /* Remove the last shape if the shape, snapped to the grid, does not touch the
-   window. */
+   window. `before` and `moved`: the state, and f->out->moved, before the shape
+   was added. */
 static void keep_touching(flattener *f, const flattener *before, size_t moved) {
-  if (f->outside)
-    return; /* flattener_run reports a coordinate outside of the
-               range */
+  /* flattener_run reports coordinates beyond the limit. */
+  if (f->outside) return;
   const eda_point *p = f->out->shapes.points + before->n_points;
   eda_box b = eda_bounds(p, f->n_points - before->n_points);
   if (eda_boxes_touch(b, *f->window)) return;
@@ -259,8 +260,8 @@ static void count_own(const flattener *f, const cell *c, uint64_t *shapes,
     *points = *shapes -= c->labels[i].layer != f->layer;
 }
 
-/* Count the shapes and points of each cell with all cells below. List the
-   instances that contain shapes or texts. */
+/* Count the shapes (or texts) and points of the layer in each cell with all
+   cells below. List the instances in which any are found. */
 static void flattener_count(flattener *f) {
   size_t n_useful = 0;
   for (size_t k = 0; k < f->layout->n_cells; k++) {
@@ -426,8 +427,9 @@ static void flattener_clear(flattener *f) {
   free(f->useful);
 }
 
-/* Whole layer: count shapes and points, and allocate memory. Window: memory
-   grows during the traversal. */
+/* For a whole layer, count shapes and points and allocate memory for the
+   result. For a window, get the extents of the layer in all cells; memory grows
+   during the traversal. */
 static int flattener_prepare(flattener *f, int32_t top, opc_error *error) {
   if (!f->window) {
     count_all(f);

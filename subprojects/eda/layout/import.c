@@ -53,8 +53,8 @@ static int import_derived(importer *m) {
   return code;
 }
 
-/* Create a cell with the name of a cell of `from`, with a number if the name is
-   taken. */
+/* Create a cell in `to` with the name of a cell of `from`, or with the first
+   free of the names NAME$2, NAME$3 and so on. */
 static int32_t import_name(importer *m, int32_t number) {
   const char *name = eda_layout_cell_name(m->from, number);
   g_autofree char *free_name = g_strdup(name);
@@ -101,7 +101,7 @@ static int import_instances(importer *m, int32_t number) {
   return code;
 }
 
-/* Create the cells below `top`, children first, then copy their contents. */
+/* Create empty cells for `top` and all cells below, then copy the contents. */
 static int import_cells(importer *m, int32_t top) {
   const eda_layout *from = m->from;
   size_t n = from->n_cells;

@@ -337,9 +337,8 @@ const eda_point *eda_layout_polygon(const eda_layout *layout, int32_t number,
   static __thread eda_point corners[4];
   number_polygons(layout);
   const cell *c = &layout->cells[number];
-  size_t low = 0,
-         high =
-             c->n_sheets; /* find the last sheet whose first polygon is <= i */
+  /* Find the last sheet whose first polygon has a number <= i. */
+  size_t low = 0, high = c->n_sheets;
   while (high - low > 1) {
     size_t middle = low + (high - low) / 2;
     if (c->sheets[middle].first <= i)

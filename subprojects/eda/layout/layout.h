@@ -25,7 +25,8 @@ typedef struct sheet {
   size_t n_small, capacity_small;
   eda_box *boxes;
   size_t n_boxes, capacity_boxes;
-  uint32_t *end; /* polygon i consists of the points before points[end[i]] */
+  uint32_t *end; /* end of each polygon: polygon i has the points end[i - 1] (0
+                    for i = 0) .. end[i] - 1 */
   size_t n_polygons, capacity_polygons;
   eda_point *points;
   size_t n_points, capacity_points;
@@ -57,13 +58,13 @@ typedef struct cell {
   size_t n_instances, capacity_instances;
   size_t polygons; /* number of polygons; valid if eda_layout.numbered is 1 */
 
-  /* Valid if `ordered`. placements: number of placements of the cell and all
-     cells below, at most EDA_MANY; 0 if there are no shapes and texts.
-     before[i]: number of the first placement of instance i. */
-  uint64_t placements;
-  uint32_t *before;
-  bool
-      circular; /* 1: the cell places itself, directly or through other cells */
+  /* The next members are valid if eda_layout.ordered is 1. */
+  uint64_t placements; /* 1 (the cell itself) + number of all placements below,
+                          at most EDA_MANY; 0 if the cell and the cells below
+                          have no shapes and texts */
+  uint32_t *before;    /* number of the first placement of each instance,
+                          counted from the cell */
+  bool circular; /* the cell places itself, directly or through other cells */
 } cell;
 
 /* Limit of counted placements: one more than 32 bits can represent. */
@@ -77,20 +78,20 @@ struct eda_layout {
   size_t n_layers, capacity_layers;
   GHashTable *cell_of, *layer_of; /* name to number + 1 */
   GHashTable *file_layer;         /* layer number to name in the file */
-  GHashTable *derived; /* layer number to expression, under the lock; NULL:
-                          none */
+  GHashTable *derived; /* number of a derived layer to its expression; protected
+                          by `lock`; NULL if there are no derived layers */
   char *strings;
   size_t n_strings, capacity_strings;
 
   /* Members below are computed on the first request after a change, under the
      lock. */
   GMutex lock;
-  int numbered, ordered; /* 1: `first` and `polygons` of all cells are valid; 1:
-                            the order is valid; atomic */
-  int32_t
-      *order; /* cell numbers, children before parents; valid if `ordered` */
-  /* extents by layer (reach.h), of shapes [0] and texts [1]; NULL: not
-     computed */
+  int numbered;   /* 1: sheet.first and cell.polygons are valid; atomic */
+  int ordered;    /* 1: `order` and the last members of `cell` are valid;
+                     atomic */
+  int32_t *order; /* cell numbers, children before parents */
+  /* Layer number to extents of its shapes [0] and texts [1] (reach.h); NULL:
+     not computed for any layer. */
   GHashTable *reach[2];
 };
 
@@ -118,10 +119,10 @@ static inline uint64_t add_product(uint64_t a, uint64_t b, uint64_t c,
   return MIN(a + product, limit);
 }
 
-/* Compute the members that are valid if `ordered`. [any] */
+/* Set `ordered`, and compute all members that are valid if it is 1. [any] */
 void eda_layout_order(const eda_layout *layout);
 
-/* Set marked[] of `top` and of all cells below. */
+/* Set marked[] of `top` and of all cells below to 1. */
 void eda_layout_mark(const eda_layout *layout, int32_t top, uint8_t *marked);
 
 /* Return the sheet of a layer in a cell; NULL if the cell has no shapes on the

@@ -2,8 +2,9 @@
 /* Order of the cells, numbers and paths of placements, and the top cell.
 
    Placements are numbered depth first: a cell before the cells in it, instances
-   in their order, array members row by row. Cells that contain no shape or
-   text, including all cells below, have no number and take no time. */
+   in their order, array members row by row. A cell has no numbers if the cell
+   and all cells below contain no shape and no text. Instances of such cells are
+   skipped. */
 #include <stdlib.h>
 #include <string.h>
 

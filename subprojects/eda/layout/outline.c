@@ -137,7 +137,7 @@ static bool path_reach(const vector *points, size_t n, double half, int ends,
   return n > 2 || first + *begin + *end > 0;
 }
 
-/* Add the outline of a path of one point, as a path parallel to x. */
+/* Add the outline of a path of one point, as if the path were parallel to x. */
 static void put_dot(outline *out, vector at, double half, int ends,
                     double begin, double end) {
   if (ends == 1) {

@@ -110,8 +110,8 @@ static void test_rectilinear(void) {
   g_rand_free(rand);
 }
 
-/* The area equals width times length without sharp corners, overlaps and
-   extensions. */
+/* The outline of a path without sharp corners, overlaps and extensions has an
+   area of width times length. */
 static void test_any_angle(void) {
   const eda_point p[] = {{0, 0},
                          {1000000, 0},

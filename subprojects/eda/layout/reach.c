@@ -130,7 +130,8 @@ span extent_rows(const eda_placement *p, extent first, extent window) {
 
 /* ---- cells ---- */
 
-/* Index the boxes of n items (NULL: few), and free them. */
+/* Return an index of n boxes, and free the boxes. Return NULL if `boxes` is
+   NULL, which means that there are too few items for an index. */
 static eda_index *reach_index(eda_box *boxes, size_t n) {
   eda_index *index = boxes ? eda_index_new(boxes, n, 0) : NULL;
   free(boxes);

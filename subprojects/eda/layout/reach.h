@@ -37,7 +37,7 @@ static inline bool extents_touch(extent a, extent b) {
    coordinates. */
 eda_box extent_box(extent e);
 
-/* Return an extent that covers the window after the transform. */
+/* Return the bounding box of the window after the inverse of the transform. */
 extent extent_back(const transform *t, extent window);
 
 /* Return the extent of the first member, or of all members, of an instance. */

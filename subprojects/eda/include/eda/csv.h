@@ -13,7 +13,8 @@ OPC_C_BEGIN
 /* A column of a table. */
 typedef struct eda_csv_column {
   const char *name;
-  const char *unit; /* the only unit accepted in brackets; NULL: none */
+  const char *unit; /* the only unit accepted in brackets; NULL: the column name
+                       must not have brackets */
   int optional;     /* non-zero: the column may be missing */
 } eda_csv_column;
 

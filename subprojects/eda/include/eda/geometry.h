@@ -119,7 +119,8 @@ OPC_EXPORT int eda_boolean(int op, const eda_shapes *a, const eda_shapes *b,
 
 /* Move all edges of merged shapes outwards by `by`, inwards if `by` is
    negative; *out as in eda_boolean. Corners stay square. Growing closes spaces
-   of at most 2 |by|; shrinking removes shapes of at most 2 |by|. */
+   that are at most 2 |by| wide; shrinking removes parts of shapes that are at
+   most 2 |by| wide. */
 OPC_EXPORT int eda_shapes_grow(const eda_shapes *shapes, int32_t by,
                                eda_shapes *out, opc_error *error);
 

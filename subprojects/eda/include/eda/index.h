@@ -21,9 +21,10 @@ OPC_C_BEGIN
 typedef struct eda_index eda_index;
 
 /* Return an index of n < 2^32 boxes, which are copied. `cell` is the side of a
-   cell in the unit of the boxes, ideally the size of a window; 0: as many cells
-   as boxes. The side is enlarged if there would be too many cells, or too many
-   cells per box. Empty boxes (x0 > x1) are never found. [any] */
+   cell in the unit of the boxes, ideally the size of a window. For `cell` = 0,
+   the side is chosen so that the index has about as many cells as boxes. The
+   side is enlarged if there would be too many cells, or too many cells per box.
+   Empty boxes (x0 > x1) are never found. [any] */
 OPC_EXPORT eda_index *eda_index_new(const eda_box *boxes, size_t n,
                                     int32_t cell);
 /* Free an index (NULL: do nothing). */
@@ -48,10 +49,11 @@ OPC_EXPORT eda_finder eda_index_find(const eda_index *index, eda_box window);
    cell by number, which makes the order reproducible. [any] */
 OPC_EXPORT int eda_index_next(eda_finder *finder, uint32_t *number);
 
-/* ---- disjoint sets ---- */
+/* ---- disjoint sets of numbers (union-find) ---- */
 
-/* Return the smallest member of the set of i. parent[i]: a member of the same
-   set, not above i; itself for the smallest one. Shortens the paths. */
+/* Return the smallest member of the set that contains i. parent[i] is a member
+   of the same set with parent[i] <= i; they are equal only for the smallest
+   member. The function shortens the path from i to the smallest member. */
 OPC_UNUSED static inline uint32_t eda_set_root(uint32_t *parent, uint32_t i) {
   while (parent[i] != i) i = parent[i] = parent[parent[i]];
   return i;

@@ -17,21 +17,23 @@ typedef struct eda_placement {
   double magnification; /* > 0; 1: none */
   double angle;         /* degrees */
   uint32_t mirror;
-  uint32_t columns, rows; /* 1, 1: a single placement */
-  eda_point column_step, row_step;
+  uint32_t columns, rows;          /* 1, 1: a single placement */
+  eda_point column_step, row_step; /* displacement from a column to the next,
+                                      from a row to the next */
 } eda_placement;
 
-/* Flat shapes. Shape i is from the placement (cell in the hierarchy)
+/* Flat shapes. Each occurrence of a cell in the hierarchy is a placement and
+   has a number; 0 is the top cell. Shape i is from placement number
    placement[i]; eda_layout_path returns the path of a placement. */
 typedef struct eda_flat {
   eda_shapes shapes; /* unmerged, in units of the requested grid */
   uint32_t *placement;
   size_t vertices; /* number of vertices */
   size_t moved;    /* vertices moved by rounding to the grid */
-  double worst;    /* largest such movement, nm */
+  double worst;    /* largest movement of a vertex by rounding, nm */
 } eda_flat;
 
-/* Flat texts: text i is at the only point of shape i. */
+/* Flat texts. Shape i of `at` has one point, the position of text i. */
 typedef struct eda_flat_texts {
   eda_flat at;
   const char **text; /* owned by the layout */
@@ -89,7 +91,7 @@ OPC_EXPORT int eda_layout_add_instance(eda_layout *layout, int32_t cell,
 /* Copy a cell of another layout with the same unit, and all cells below. Layers
    are joined by name. A cell whose name exists is named NAME$2 and so on.
    Return the number of the copy; -1 and *error if the units or the definitions
-   of a derived layer differ. [main] */
+   of a derived layer (eda_layout_derive) differ. [main] */
 OPC_EXPORT int32_t eda_layout_import(eda_layout *to, const eda_layout *from,
                                      int32_t cell, opc_error *error);
 
@@ -126,18 +128,21 @@ OPC_EXPORT int32_t eda_layout_find_layer(const eda_layout *layout,
    `&` binds more tightly than `+`, `-` and `^`, which apply from left to right.
    A layer is a name of the layout or of its file ("poly", "66/20"). The shapes
    of a derived layer are computed when the layer is flattened, as boxes; in a
-   window, they cover the same points as those of the whole layout. The
-   placement of a box is that of a shape of the first layer on the positive side
-   of the expression that covers the box (0: none). A derived layer has no
-   polygons in eda_layout_polygon. */
+   window, they cover the same points as those of the whole layout. Each box has
+   the placement of a shape that covers the box. Layers are tried in the order
+   of the expression, without layers that are subtracted. The placement is 0,
+   the top cell, if no shape of these layers covers the box. A derived layer has
+   no polygons in eda_layout_polygon. */
 
 /* Define the layer `name` as an expression. Return OPC_INVALID for an invalid
    text, with the position of the fault, for a missing layer and for a layer
    that contains itself. [main] */
 OPC_EXPORT int eda_layout_derive(eda_layout *layout, const char *name,
                                  const char *text, opc_error *error);
-/* Return the number of the layer with a name, also of its name in the file, or
-   of an expression; -1 and *error on failure. [any] */
+/* Return the number of the layer whose name in the layout or in its file is
+   `text`. If there is none and `text` is an expression, return the number of
+   the derived layer of this expression. Return -1 and *error on failure.
+   [any] */
 OPC_EXPORT int32_t eda_layout_select(const eda_layout *layout, const char *text,
                                      opc_error *error);
 /* Return whether a layer is an expression. [any] */
@@ -179,16 +184,17 @@ OPC_EXPORT const char *eda_layout_instance(const eda_layout *layout,
 /* Flatten the shapes of a layer in `cell` and all cells below. A coordinate x
    becomes floor(x * unit / grid + 1/2), `grid` in nm; a value less than 1e-6
    below a half is also rounded up. Return OPC_INVALID for more than 2^28 shapes
-   or 2^30 points, more than 8 placements per shape plus 2^19, coordinates
-   beyond 2^30, a grid that is not above 0, and cycles of cells. The caller
-   clears *out, which is empty on failure. */
+   or 2^30 points, for more than 2^19 + 8 * (number of shapes) placements, for
+   coordinates beyond 2^30, for a grid that is not above 0, and for cycles of
+   cells. The caller clears *out, which is empty on failure. */
 OPC_EXPORT int eda_layout_flatten(const eda_layout *layout, int32_t cell,
                                   int32_t layer, double grid, eda_flat *out,
                                   opc_error *error);
 /* As eda_layout_flatten, only for shapes whose bounding box touches `window`,
    in grid units (NULL: all shapes), in the same order. The time is proportional
    to the content of the window; the first call for a layer traverses all cells.
-   Shapes outside the window may exceed limits of flattening. [any] */
+   The limits of eda_layout_flatten apply to the content of the window only.
+   [any] */
 OPC_EXPORT int eda_layout_flatten_window(const eda_layout *layout, int32_t cell,
                                          int32_t layer, double grid,
                                          const eda_box *window, eda_flat *out,

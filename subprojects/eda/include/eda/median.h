@@ -12,9 +12,9 @@ OPC_C_BEGIN
 enum { EDA_MEDIAN_FEWEST = 5 };
 
 typedef struct eda_median {
-  double value, low, high; /* median; ends of the interval. `value` is NAN if n
-                              = 0; `low` and `high` are NAN if n is too small */
-  int64_t n;               /* number of values */
+  double value;     /* median; NAN if n = 0 */
+  double low, high; /* ends of the interval; NAN if n < EDA_MEDIAN_FEWEST */
+  int64_t n;        /* number of values */
 } eda_median;
 
 /* Return the median of n finite values, and a 95 % confidence interval of the

@@ -9,13 +9,13 @@
 
 OPC_C_BEGIN
 
-/* Wavelength in vacuum, nm, and numerical aperture; 0, 0: unknown. */
+/* Wavelength in vacuum, nm, and numerical aperture; both are 0 if unknown. */
 typedef struct eda_scanner {
   double wavelength, na;
 } eda_scanner;
 
-/* Return the scanner of a litho model (functions: eda_litho); zeros for NULL
-   and for a model without scanner. [any] */
+/* Return the scanner of a litho model (functions: eda_litho). Return zeros if
+   `litho` is NULL or the model has no function `scanner`. [any] */
 OPC_EXPORT eda_scanner eda_scanner_of(const opc_module *litho);
 
 /* Return wavelength / NA, nm; for an unknown scanner 193 / 0.75, the values for

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Pools of memory, which are freed as a whole, and maps from names to numbers.
-   Names are compared without case, as in netlists. A pool is for one thread. */
+   Names are compared without case, as in netlists. Only one thread at a time
+   may use a pool and its maps. */
 #pragma once
 
 #include <eda/memory.h>
@@ -18,11 +19,10 @@ typedef struct eda_pool {
 OPC_EXPORT void *eda_pool_alloc(eda_pool *pool, size_t count, size_t size);
 /* Return a copy of n bytes with a terminating zero. */
 OPC_EXPORT char *eda_pool_text(eda_pool *pool, const char *text, size_t n);
-/* Return "A/B"; if `a` is empty, "B". */
+/* Return the path "A/B" of the texts `a` and `b`; "B" if `a` is empty. */
 OPC_EXPORT char *eda_pool_path(eda_pool *pool, const char *a, const char *b);
 /* Enlarge *array, allocated from the pool, to at least `need` elements of
-   `size` bytes and set `capacity` to the new capacity. New elements are zeroed.
- */
+   `size` bytes and set *capacity. New elements are zeroed. */
 OPC_EXPORT void eda_pool_grow(eda_pool *pool, void *array, size_t *capacity,
                               size_t need, size_t size);
 OPC_EXPORT void eda_pool_clear(eda_pool *pool);

@@ -10,11 +10,13 @@ enum {
   /* Space between facing edges, also of one polygon (notches), and diagonal
      space between convex corners. */
   EDA_RULE_SPACE,
-  /* Width of a shape between opposite edges, and between concave corners. */
+  /* Width of a shape between opposite edges, and diagonal width between concave
+     corners. */
   EDA_RULE_WIDTH,
-  /* Length of an edge that is not shorter than one of its neighbours, as in
-     staircases, small bumps and notches. The edge of a single jog is excepted,
-     because both neighbours are longer. */
+  /* Length of an edge that is at least as long as one of the two adjacent
+     edges, as in staircases, small bumps and notches. An edge that is shorter
+     than both adjacent edges, such as a single jog or a line end, is not
+     checked. */
   EDA_RULE_EDGE,
   /* Height of a jog: of an edge between a convex and a concave corner that is
      shorter than both neighbours. */
@@ -28,10 +30,10 @@ typedef struct eda_rule_fault {
   double x, y, value;
 } eda_rule_fault;
 
-/* Find all violations of merged rectilinear shapes (units of `grid` nm).
-   limit[rule] is the smallest allowed value, nm, 0: no rule. Return the number
-   of violations and an array *faults, freed with free(). [any]:
-   opcflow/plugin.h. */
+/* Find all violations of the rules in merged rectilinear shapes (units of
+   `grid` nm). limit[rule] is the smallest allowed value, nm; 0 disables the
+   rule. Return the number of violations, and the violations in a new array
+   *faults; free the array with free(). [any]: opcflow/plugin.h. */
 OPC_EXPORT size_t eda_rules_check(const eda_shapes *shapes, double grid,
                                   const double limit[EDA_RULES],
                                   eda_rule_fault **faults);

@@ -10,7 +10,8 @@
 OPC_C_BEGIN
 
 /* Distance, nm, beyond which shapes do not influence the segmentation of a
-   transistor: limit of eda_gates.space and of fragments of the active. Chosen
+   transistor. It limits eda_gates.space and the distance from a gate to the
+   edges of the active that belong to the gate. Chosen
    for 193 nm, where the optical influence ends at half this distance. Half the
    value changes the masks of isolated transistors; twice the value needs
    windows of twice the width. */
@@ -27,9 +28,9 @@ typedef struct eda_segment_settings {
      and name in the layout. */
   const char *const *also;
   size_t also_count;
-  /* For windows. 1: set instance and cell of gates, and name them in errors of
-     notes; 0: set "" to save memory. Numbers of gates in windows are 0, because
-     a window may contain a part of an instance. */
+  /* For windows. 1: set eda_gates.instance and .cell, and name the cell in
+     errors of notes; 0: set both to "" to save memory. eda_gates.number is 0 in
+     windows, because a window may contain only a part of an instance. */
   int paths;
   /* Optional. Callback for messages to the user; not called for windows. Runs
      on the calling thread. */

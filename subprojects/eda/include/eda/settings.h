@@ -27,7 +27,8 @@ typedef struct eda_settings {
   size_t best;             /* index of the best combination */
 } eda_settings;
 
-/* Return settings with n_parameters parameters, to be set below. */
+/* Return settings with n_parameters empty parameters, which the next function
+   sets. */
 OPC_EXPORT eda_settings *eda_settings_new(size_t n_parameters);
 
 /* Set parameter i to copies of these data. `values` may be NULL. */

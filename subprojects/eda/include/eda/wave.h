@@ -13,8 +13,8 @@ OPC_C_BEGIN
 OPC_EXPORT void eda_wave_heights(const double *v, size_t n, double supply,
                                  int rises, double *height);
 
-/* Return the largest i < `before` with h[i] < level <= h[i + 1]; `none` if
-   there is none. [any] */
+/* Return the largest i < `before` with h[i] < level <= h[i + 1]; return `none`
+   if no i satisfies this condition. [any] */
 OPC_EXPORT size_t eda_wave_last_rise(const double *h, size_t before,
                                      double level, size_t none);
 
