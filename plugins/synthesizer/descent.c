@@ -6,9 +6,9 @@
 #include <eda/memory.h>
 #include <stdlib.h>
 
-/* Deviation, %, assumed for an open transistor, whose line does not print
-   across the entire width. An open line is too thin, so the deviation has the
-   sign of too much current. */
+/* Deviation, %, assumed for an open transistor: a transistor whose printed poly
+   line is interrupted. An open line is too thin, so the deviation has the sign
+   of too much current. */
 static const double open = 100;
 
 void descent_clear(descent *d) {

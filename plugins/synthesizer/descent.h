@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Correction of all transistors of a layout at the same time, by
-   correct/control.h. Widths move only after all lengths have stopped, because
-   the lengths of neighbours have the largest effect on a transistor. Until
-   then, the active layer need not be simulated again. */
+/* Corrects all transistors of a layout in each iteration; <correct/control.h>
+   selects the step of one transistor. Widths move only after all lengths have
+   stopped, because the lengths of neighbours have the largest effect on a
+   transistor. Until all lengths have stopped, the active layer need not be
+   simulated again. */
 #pragma once
 
 #include <opcflow/plugin.h>
@@ -45,7 +46,8 @@ typedef struct descent_moves {
 descent_moves descent_update(descent *d, const eda_feedback *f,
                              eda_moves *moves, int lengths_only);
 
-/* Log the numbers of an iteration. Return 1 if the correction is finished. */
+/* Log the numbers of an iteration. Return 1 if no transistor moved and no
+   deviation changed: the correction is finished. */
 int descent_is_done(const opc_host *host, const eda_feedback *f,
                     const descent_moves *moves);
 

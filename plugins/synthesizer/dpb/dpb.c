@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements synthesizer.dpb: device performance-based OPC (thesis 3.2.2 (2),
-   figure 3.3). Each transistor is corrected separately: first a jump of the
-   length, then single grid steps of the length, then steps of the width. Steps
-   continue as long as the performance deviation error decreases; a step that
-   increases the error is reverted. correct/control.h implements the steps of
-   one transistor, descent.c the steps of all transistors, table.c the table of
-   jumps. */
+   figure 3.3). Each transistor is corrected separately: first one change of the
+   length by `init_adjust` or by a table, then single grid steps of the length,
+   then steps of the width. Steps continue as long as the performance deviation
+   error decreases; a step that increases the error is reverted.
+   correct/control.h implements the steps of one transistor, descent.c the
+   iteration over all transistors, table.c the table of first corrections. */
 #include <math.h>
 #include <opcflow/follow.h>
 
@@ -18,7 +18,7 @@ typedef struct dpb {
   const opc_host *host;
   double ion_limit;       /* % */
   double init_adjust;     /* nm; 0: one step that reduces the error */
-  const char *table_path; /* NULL: init_adjust for all */
+  const char *table_path; /* NULL: init_adjust applies to all transistors */
   first_table table;
   double max_bias;  /* nm */
   int proportional; /* 1: steps of W proportional to the error */

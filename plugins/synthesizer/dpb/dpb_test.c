@@ -265,8 +265,10 @@ static void test_within(void) {
 }
 
 /* With a grid too coarse for the limit, the transistor stays at the minimum of
-   W, and the verdict names the grid. PDE 7, 4, 1, -2, 1; W: -2 % per step, 1 ->
-   -1 (no better, not worse) -> -3 rises -> revert. */
+   W, and the verdict names the grid. Steps of L change the PDE from 7 to 4, 1,
+   -2 and, reverted, 1. A step of W changes the PDE by 2: from 1 to -1 (|PDE| is
+   unchanged, so W continues), then to -3 (|PDE| rises, so the step is
+   reverted). */
 static void test_grid(void) {
   g_autoptr(opc_module) m = model_make("{ w_step: unit, ion_limit: 0.1 % }");
   model t = {.n = 1, .offset = {7}, .by_l = {-3}, .by_w = {2}};
@@ -391,9 +393,10 @@ static void test_independent(void) {
 
 /* ---- neighbours ---- */
 
-/* Return the moves after a jump of the error. Before it, +7.4 %, 3 % per step
-   of L and `by_w` per step of W where the model expects 0.5 % converge with
-   "1,0 2,0 3,0 2,0 2,-1 2,-2 2,-1 2,-1 ". */
+/* Return the moves after the error jumps by `jump` at update 8. The transistor
+   has an error of 7 % + `rest`, a change of 3 % per step of L and of 1 % per
+   step of W (synthesizer.dpb expects 0.5 %). With rest 0.4, the moves before
+   the jump are "1,0 2,0 3,0 2,0 2,-1 2,-2 2,-1 2,-1 ". */
 static char *after_jump(const char *parameters, double rest, double jump) {
   g_autoptr(opc_module) m = model_make(parameters);
   model t = {.n = 1, .offset = {7 + rest}, .by_l = {-3}, .by_w = {1}};

@@ -164,7 +164,7 @@ static void test_kept(void) {
       g_assert_cmpint(k, <, ROUNDS);
       memcpy(e->shift, now, sizeof now);
       /* Some fragments have large errors, all others small errors; and vice
-       * versa. */
+         versa. */
       double off[2] = {random_in(0.6, 8), random_in(0.6, 8)};
       for (size_t i = 0; i < count; i++)
         e->epe[i] = off[i % 2] * (random_in(-1, 1) > 0 ? 1 : -1);
@@ -280,7 +280,7 @@ static double until_20(uint32_t iteration) {
 }
 
 /* The loop ends 20 iterations after the last decrease by 5 %. A loop that
-   reaches `iterations` before logs this once. */
+   reaches `iterations` before convergence logs one finding. */
 static void test_convergence(void) {
   const char *expected = "not converged after 30 iterations";
   opc_test_forget();

@@ -27,7 +27,8 @@ static double coupling_weight(const epe_layer *l, double x, double y,
 typedef struct coupler {
   epe_layer *layer;
   eda_index *index; /* centres of the fragments */
-  double grid, longest;
+  double grid;      /* nm */
+  double longest;   /* length of the longest fragment, grid steps */
 } coupler;
 
 /* Return the distance of v from the interval between a and b. */
@@ -44,7 +45,8 @@ static int fragment_is_near(const epe_fragment *p, double x, double y,
   return dx * dx + dy * dy < reach * reach;
 }
 
-/* Count the elements of row i; if m->weight is allocated, compute them, too. */
+/* In the first pass, in which m->weight is NULL, store the number of elements
+   of row i in start[i + 1]. In the second pass, compute the elements. */
 static void coupling_add_site(void *data, size_t i) {
   const coupler *c = data;
   epe_layer *l = c->layer;

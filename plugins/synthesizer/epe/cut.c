@@ -109,7 +109,7 @@ static void cut_evenly(cutter *c, int32_t from, int32_t to) {
     cut_at(c, from + (int32_t)((int64_t)(to - from) * i / parts));
 }
 
-/* Mark the cuts of an edge, without its ends. */
+/* Mark the cuts of an edge, except the two ends of the edge. */
 static void cut_edge(cutter *c, const drawn_edge *e) {
   const epe_rules *r = c->layer->rules;
   c->n_marks = 0;
@@ -210,8 +210,9 @@ static int64_t point_distance(eda_point a, eda_point b) {
   return llabs((int64_t)b.x - a.x) + llabs((int64_t)b.y - a.y);
 }
 
-/* Set the transistor that owns the centre of each fragment, `e`: fragments of
-   the gates, a division of the same polygons. */
+/* Set the owner of each fragment: the transistor whose fragment in `e` contains
+   the centre of the fragment. `e` contains the segmentation's fragments of the
+   same polygons. */
 static void layer_set_owners(epe_layer *l, const eda_edges *e) {
   if (e->polygons != l->polygons) return;
   for (size_t p = 0; p < l->polygons; p++) {

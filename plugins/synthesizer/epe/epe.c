@@ -45,7 +45,8 @@ typedef struct epe {
   size_t count; /* number of transistors */
   uint8_t *verdict;
   double best;      /* smallest cost; INFINITY: none yet */
-  double milestone; /* cost after the last decrease by tuned.progress */
+  double milestone; /* cost after the last decrease by the fraction
+                       tuned.progress */
   int64_t reached;  /* iteration of `milestone` */
   int reported;     /* 1: missing convergence was logged */
   size_t dropped;   /* number of assist features removed because they print */
@@ -70,8 +71,8 @@ static int32_t at_least(int32_t n, int32_t least) {
   return n > least ? n : least;
 }
 
-/* Return the length of a fragment beside a corner, grid steps. `nm`: NAN: equal
-   to `fragment`. */
+/* Return the length of a fragment beside a corner, grid steps: `nm`, or
+   `fragment` if `nm` is NAN. */
 static int32_t corner_length(const epe *d, double nm) {
   return at_least(grid_steps(d, isnan(nm) ? d->fragment : nm),
                   d->rules.min_edge);
@@ -232,7 +233,8 @@ static void best_keep(epe *d) {
   }
 }
 
-/* Return the level set of the printed image of a layer; NULL: none. */
+/* Return the level set of the printed image of a layer, or NULL if the feedback
+   contains no printed images. */
 static const eda_field *print_of(const eda_feedback *f, size_t layer) {
   return f->print ? &f->print[layer] : NULL;
 }
@@ -369,7 +371,8 @@ static const opc_parameter parameters[] = {
            "length of the fragments beside the projection of a corner of "
            "another edge"),
     FROM_0(ripple_reach,
-           "largest distance of a corner for 'ripple'; 0: no corners"),
+           "largest distance of a corner of another edge for 'ripple'; 0: no "
+           "such fragments"),
     LENGTH("min_edge", min_edge, OPC_ABOVE, "min_edge of the step",
            "smallest length of a part of an edge between two jogs"),
     LENGTH("tangency", tangency, OPC_AT_LEAST, "0.155 lambda/NA",
@@ -390,15 +393,16 @@ static const opc_parameter parameters[] = {
            "fraction of the computed change of shift that is applied in an "
            "iteration"),
     NUMBER("stiffness", stiffness, OPC_ABOVE, 0, "1",
-           "weight of shifts relative to errors: a larger value converges more "
-           "slowly and reliably; 2 if features hardly print"),
-    LENGTH(
-        "blur", blur, OPC_ABOVE, "0.155 lambda/NA",
-        "standard deviation of the effect of a move on the contour (Gaussian)"),
-    OPC_PARAMETER(epe, iterations, .type = OPC_INT, .flags = OPC_AT_LEAST,
-                  .preset = "80",
-                  .summary = "largest number of moves; the synthesizer stops "
-                             "earlier if the best iteration hardly improves"),
+           "weight of squared changes of shifts relative to squared errors: a "
+           "larger value converges more slowly and reliably; 2 if features "
+           "hardly print"),
+    LENGTH("blur", blur, OPC_ABOVE, "0.155 lambda/NA",
+           "standard deviation of the Gaussian that describes the effect of a "
+           "shift on the contour nearby"),
+    OPC_PARAMETER(
+        epe, iterations, .type = OPC_INT, .flags = OPC_AT_LEAST, .preset = "80",
+        .summary = "largest number of iterations; the synthesizer stops "
+                   "earlier if the best iteration hardly improves"),
     OPC_PARAMETER_NAMED("layers", epe, which_layers, .type = OPC_CHOICE,
                         .preset = "both", .choices = "both|poly|active",
                         .summary = "corrected layers"),
@@ -407,10 +411,11 @@ static const opc_parameter parameters[] = {
                         .summary = "criterion of the best iteration: smallest "
                                    "mean |EPE| or mean |Ion deviation|; "
                                    "auto: ion if transistors are corrected"),
-    OPC_PARAMETER_NAMED(
-        "assist", epe, sraf_rows, .type = OPC_INT,
-        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0", .max = 4,
-        .summary = "rows of assist features beside isolated edges"),
+    OPC_PARAMETER_NAMED("assist", epe, sraf_rows, .type = OPC_INT,
+                        .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0",
+                        .max = 4,
+                        .summary = "number of rows of assist features beside "
+                                   "each edge, where the space permits"),
     LENGTH("assist_width", sraf_width, OPC_ABOVE, "0.194 lambda/NA",
            "width of an assist feature"),
     LENGTH("assist_distance", sraf_distance, OPC_ABOVE, "0.583 lambda/NA",
@@ -424,10 +429,10 @@ static const opc_parameter parameters[] = {
     NUMBER("assist_margin", sraf_margin, OPC_AT_LEAST, 0, "0.02",
            "intensity margin to printing below which an assist feature is "
            "removed; relative to the clear field"),
-    NUMBER("window.level", window_level, OPC_ABOVE, 0, "0.01",
-           "intensity difference between the higher dose and the nominal dose "
-           "at the edge, equal to that of the lower dose; relative to the "
-           "clear field"),
+    NUMBER(
+        "window.level", window_level, OPC_ABOVE, 0, "0.01",
+        "difference between the contour level of the nominal dose and of each "
+        "of the two other doses, as an intensity relative to the clear field"),
     NUMBER("window.weight", window_weight, OPC_AT_LEAST | OPC_AT_MOST, 1, "0",
            "weight of the errors at other doses in the feedback"),
 };
@@ -459,7 +464,7 @@ static const opc_metric metrics[] = {
 static int epe_check(void *self, opc_error *error) {
   const epe *d = self;
   if (!(d->min_edge > d->fragment))
-    return OPC_OK; /* also false if one of the lengths is unknown (NAN) */
+    return OPC_OK; /* also if one of the lengths is unknown (NAN) */
   return opc_fail(error, OPC_INVALID, "min_edge",
                   "'min_edge' is %g nm, expected at most 'fragment', %g nm",
                   d->min_edge, d->fragment);

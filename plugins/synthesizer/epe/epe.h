@@ -106,14 +106,14 @@ typedef struct epe_layer {
                              grid steps; NAN: no edge near the site */
   double *cost;           /* measured |EPE|, nm */
   int32_t *shift, *last;  /* shifts of the last and the previous simulation */
-  int32_t *best;
-  int32_t *low, *high; /* bounds of the shift by the mask rules */
-  int32_t *most;       /* largest outward shift */
-  eda_box_list srafs;  /* assist features */
-  epe_run *runs;       /* runs of each edge; those of edge e start at the index
-                          of the first fragment of e */
-  int32_t *settled;    /* shifts of the next mask, computed in rules.c */
-  uint8_t *broken;     /* [pair_count], 1: the fragments are too close */
+  int32_t *best;          /* shifts of the best iteration */
+  int32_t *low, *high;    /* bounds of the shift by the mask rules */
+  int32_t *most;          /* largest outward shift */
+  eda_box_list srafs;     /* assist features */
+  epe_run *runs;    /* runs of each edge; those of edge e start at the index
+                       of the first fragment of e */
+  int32_t *settled; /* shifts of the next mask, computed in rules.c */
+  uint8_t *broken;  /* [pair_count], 1: the fragments are too close */
 } epe_layer;
 
 /* Dissect the drawn shapes of layer `which` into fragments with sites and
@@ -143,7 +143,8 @@ void epe_settle(epe_layer *layer, int32_t *shift);
 
 /* Average the errors and costs with those at two other doses, whose contours
    are at the levels +-`level` of the level set `print`. `weight`: weight of the
-   other doses, 0 to 1. Does nothing if weight is 0 (window.c). */
+   other doses, 0 to 1; with 0, or if `print` is NULL, nothing changes. `grid`:
+   mask grid, nm (window.c). */
 void epe_weigh(epe_layer *layer, const eda_field *print, double weight,
                double level, double grid);
 
@@ -159,18 +160,22 @@ typedef struct epe_steering {
 } epe_steering;
 void epe_steer(epe_layer *layer, const epe_steering *by);
 
-/* Return the position of fragment i along its axis (epe_line), or of its begin
-   or end along the edge, in the mask of `shift`; NULL: as drawn. */
+/* Return the coordinate of fragment i along its axis, after the shifts `shift`.
+   If `shift` is NULL, return the drawn coordinate. */
 static inline int32_t epe_line(const epe_fragment *p, const int32_t *shift,
                                uint32_t i) {
   int32_t at = p[i].axis == EDA_X ? p[i].from.x : p[i].from.y;
   return at + (shift ? p[i].sign * shift[i] : 0);
 }
 
+/* Return the coordinate of a point along the edge of the fragment. */
 static inline int32_t epe_along(const epe_fragment *p, eda_point at) {
   return p->axis == EDA_X ? at.y : at.x;
 }
 
+/* Return the coordinate of the begin or end of fragment i along the edge. At a
+   corner, the shift of the fragment on the other side determines the
+   coordinate. `shift` is as in epe_line. */
 static inline int32_t epe_begin(const epe_fragment *p, const int32_t *shift,
                                 uint32_t i) {
   return p[i].corner & EPE_FROM ? epe_line(p, shift, p[i].previous)

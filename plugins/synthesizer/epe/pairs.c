@@ -150,7 +150,8 @@ static void fragment_move_back(epe_layer *l, const int32_t *shift, uint32_t i,
 }
 
 /* Reduce by one step the shifts of the adjacent fragments around both corners
-   of a fragment, because these shifts made the fragment longer. */
+   of a fragment, because these shifts lengthened the fragment towards the other
+   fragment of a pair. */
 static void neighbours_move_back(epe_layer *l, const int32_t *shift,
                                  uint32_t i) {
   const epe_fragment *p = &l->fragments[i];
@@ -185,7 +186,7 @@ static void pair_separate(epe_layer *l, const int32_t *shift,
   for (int k = 0; k < 2; k++) neighbours_move_back(l, shift, who[k]);
 }
 
-/* Tolerance for the rounding of limits, which are floats, grid steps. */
+/* Tolerance, grid steps, because limits are rounded to float. */
 static const double slack = 1e-3;
 
 /* Return the distance between the jogs of two fragments on different sides of a

@@ -47,7 +47,8 @@ static void runs_begin(const epe_layer *l, size_t e, epe_run *runs) {
   }
 }
 
-/* Merge run k with the next run. The bounds of both runs include 0. */
+/* Merge run k with the next run. The bounds of both runs include 0, so their
+   intersection is not empty. */
 static void run_merge(epe_run *runs, int32_t k) {
   epe_run *a = &runs[k];
   const epe_run *b = &runs[a->after];

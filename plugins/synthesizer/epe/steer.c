@@ -64,8 +64,8 @@ static void coupling_multiply(const epe_layer *l, const epe_coupling *m,
 
 /* ---- gains ---- */
 
-/* Return the gain of a site by least squares over the site and its neighbours.
- */
+/* Return the gain of a site by least squares over the site and the adjacent
+   sites. If the shifts hardly changed, return the previous gain. */
 static double site_gain(const epe_layer *l, uint32_t i) {
   double along = 0, square = 0;
   uint32_t k = i;

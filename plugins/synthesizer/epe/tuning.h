@@ -56,8 +56,8 @@ static const struct {
        amounts to one grid step over the length blur / jog_part. */
     .jog_part = 4,
 
-    /* Rounds after which an edge with a violation has one shift, and after
-       which the edge stays as drawn. */
+    /* Numbers of rounds of the loop in epe_settle after which an edge with a
+       violation has one shift, and after which the edge stays as drawn. */
     .whole_after = 6,
     .drawn_after = 12,
 

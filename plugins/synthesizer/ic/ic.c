@@ -94,8 +94,7 @@ static measured transistor_measure(const ic *c, const eda_feedback *f,
                 .veto = f->vetoes[i]};
   m.eff = c->alpha_i * fabs(m.di) + c->alpha_a * fabs(m.da);
   if (f->flags[i] & EDA_PRINT_OPEN)
-    m.eff = INFINITY; /* an open transistor has
-                         no figures */
+    m.eff = INFINITY; /* an open transistor has no valid measurement */
   m.most_w = (int32_t)fmin(m.most, m.width / 2);
   return m;
 }
@@ -163,7 +162,8 @@ static double deviation_after(const ic *c, const measured *m, int correction) {
 }
 
 /* Return the next correction to try from the best state: first the correction
-   of the matrix, then the others by expected deviation; -1: none. */
+   of the matrix, then the others by expected deviation. Return -1 if all
+   corrections failed or are forbidden. */
 static int next_correction(const ic *c, const transistor *t, measured m) {
   m.di = t->best_di;
   m.da = t->best_da;
@@ -211,7 +211,7 @@ static void transistor_retry(const ic *c, transistor *t, const measured *m,
 
 /* Correct all transistors. The correction is finished if neither a mask (line
    21) nor a measured figure changes; line ends that the regulator moves may
-     change the figures. */
+   change measured figures. */
 static int ic_update(void *self, const eda_feedback *f, eda_moves *moves,
                      int *done, opc_error *error) {
   ic *c = self;

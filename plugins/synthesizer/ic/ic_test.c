@@ -121,7 +121,8 @@ static void test_matrix(void) {
   }
 }
 
-/* I +7, A -4; a step of L: I -3, A +1.5; of W: I +0.5, A +0.5. By hand:
+/* Deviations as drawn: I +7, A -4. A step of L changes I by -3 and A by +1.5; a
+   step of W changes I by +0.5 and A by +0.5. By hand:
      k  mask   I     A     Eff   line
      0  0,0   +7.0  -4.0  11.0   13: increase L
      1  1,0   +4.0  -2.5   6.5   falls; 13
@@ -139,7 +140,8 @@ static void test_freeze(void) {
   check_moves("{}", t, "1,0 2,0 3,0 2,0 2,0 2,0 ", "stalled");
 }
 
-/* The same with A +0.3 per step of W continues from (2, 0), I +1 and A -1:
+/* The same transistor, but a step of W changes A by +0.3. The variant
+   `continue` continues from (2, 0), with I +1 and A -1:
      k  mask   I     A     Eff
      3  3,0   -2.0  +0.5   2.5   failed: longer, by the matrix. Wider and
                                  narrower have the same expected deviation, 2

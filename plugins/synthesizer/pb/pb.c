@@ -43,8 +43,8 @@ static double pb_error(const void *self, const eda_feedback *f, size_t i) {
 /* Return the length of a rectangle with the printed current and the drawn
    width. Leq is the equivalent length at the printed width. The current per
    width is assumed to be exponential in the length between the drawn length and
-   Leq. If Leq is close to the drawn length, the slope is unknown and Leq is
-   returned. */
+   Leq. If Leq is close to the drawn length, or the slope is not negative, the
+   slope is unknown and Leq is returned. */
 static double length_at_drawn_width(double drawn, double leq, double width,
                                     double weq, double current) {
   double slope = log(current * width / weq) / (leq - drawn);
@@ -109,7 +109,8 @@ static const char *pb_verdict(const void *self, size_t gate) {
   return descent_verdict(&((const pb *)self)->descent, gate);
 }
 
-/* Return the target of Ion; NAN for a correction of Ioff. */
+/* Return the target of Ion relative to the design, 1; NAN in the mode ioff,
+   which has no target of Ion. */
 static double pb_target(const void *self, size_t gate) {
   (void)gate;
   return ((const pb *)self)->mode == MODE_IOFF ? NAN : 1;
