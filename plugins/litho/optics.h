@@ -12,8 +12,8 @@ enum {
   OPTICS_CIRCULAR,   /* disk of radius sigma */
   OPTICS_ANNULAR,    /* ring from sigma_in to sigma */
   OPTICS_DIPOLE,     /* two disks of radius (sigma - sigma_in) / 2 */
-  OPTICS_QUADRUPOLE, /* four disks of the same radius, on the axes at rotation
-                        0 */
+  OPTICS_QUADRUPOLE, /* four disks of radius (sigma - sigma_in) / 2; with
+                        rotation 0 on the axes */
   OPTICS_QUASAR,     /* four sectors of an annulus, of angle `opening` */
   OPTICS_LIST        /* parameter points: x1, y1, weight1, x2, ... */
 };
@@ -68,8 +68,9 @@ typedef struct optics {
 
   /* The members below are set by optics_check. */
   double cutoff; /* NA / wavelength, 1/nm */
-  /* Amplitude of the background and of the drawn features of a mask, real and
-     imaginary: 1 and 0 for a binary clear-field mask. [poly, active] */
+  /* Real and imaginary part of the amplitude behind the background and behind
+     the drawn features, of the masks of poly (0) and active (1). A binary
+     clear-field mask has the background 1 and the features 0. */
   double background[2][2], feature[2][2];
 } optics;
 
@@ -98,8 +99,8 @@ typedef struct optics {
    OPC_FIELD(state, optics.polarisation)},                                    \
   {.name = "resist_index", .type = OPC_REAL,                                  \
    .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "1.7", .min = 1, .max = 3,  \
-   .summary = "refractive index of the resist, for polarised light; that of " \
-              "the medium: image above the resist",                           \
+   .summary = "refractive index of the resist, for polarised light; with the " \
+              "index of the medium, the image is above the resist",           \
    OPC_FIELD(state, optics.resist_index),                                     \
    .given = offsetof(state, optics.resist_index_given)},                      \
   {.name = "source", .type = OPC_CHOICE, .preset = "circular",                \
@@ -186,8 +187,8 @@ double optics_source_radius(const optics *o);
    corner of cells at the origin. The point is the centroid of the part of the
    cell inside the source, and its weight is proportional to the area of that
    part. For OPTICS_LIST, the listed points are returned. The sum of weights
-   is 1. NULL if the source is too thin for the spacing. The caller frees the
-   array with free(). */
+   is 1. Return NULL if the source is too thin for the spacing. The caller frees
+   the array with free(). */
 double *optics_source_points(const optics *o, double spacing, size_t *n);
 
 /* Compute the pupil at (fx, fy): 0 beyond radius 1, else exp(i phase). The
@@ -201,6 +202,7 @@ void optics_pupil(const optics *o, double defocus, double fx, double fy,
  */
 int optics_real_masks(const optics *o);
 
-/* Compute the complex coefficients of the transmission a + b * mask, where the
-   mask has the values 0 and 1; a applies at zero frequency only. */
+/* Compute the complex coefficients of the amplitude transmission a + b * mask.
+   `mask` is 0 in drawn features and 1 elsewhere. In the spectrum, a applies at
+   zero frequency only. */
 void optics_amplitudes(const optics *o, int layer, double a[2], double b[2]);

@@ -31,11 +31,12 @@ typedef struct abbe {
 
 static const double coarsest = 32; /* largest grid spacing of an image, nm */
 
-/* The model at one defocus, from one part of polarised light onwards. */
+/* The kernels of one batch: kernel s is part `first` + s of all parts of all
+   source points, at one defocus. */
 typedef struct view {
   const abbe *model;
   double defocus;
-  size_t first; /* index of the first part */
+  size_t first; /* index of the first part of the batch */
   int real;     /* 1: the pupil is real */
 } view;
 

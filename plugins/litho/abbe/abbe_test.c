@@ -50,7 +50,7 @@ static void assert_beams(const eda_field *f, int from, int to,
 }
 
 /* Test lines along x and a medium in which the pupil limits the image. Orders
-   outside the pupil are blocked in both directions.. */
+   outside the pupil are blocked in both directions. */
 static void test_turned(void) {
   static const struct {
     const char *parameters;

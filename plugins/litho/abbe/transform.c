@@ -2,13 +2,14 @@
 /* Implements the closed form of a mask spectrum, in double precision, by
    Green's theorem. The Fourier transform of shapes at f = (fx, fy) is a sum
    over edges of integrals of exp(-2 pi i f r) dy / (-2 pi i fx). At fx = 0 the
-   integrand is x exp(-2 pi i fy y) dy. The contribution of an edge is
+   integrand is x exp(-2 pi i fy y) dy. The integral over an edge, for fx
+   other than 0, is
 
      dy exp(-2 pi i f m) sinc(f d),
 
    with m the midpoint, d the vector from begin to end, and dy the rise of the
-   edge. Horizontal edges contribute nothing. The contribution of a vertical
-   edge is a function of fx times a function of fy, so the sum is a product of
+   edge. Horizontal edges contribute nothing. The integral over a vertical edge
+   is a function of fx times a function of fy, so the sum is a product of
    matrices. (S.-W. Lee, R. Mittra, IEEE Trans. Antennas Propag. 31, 99, 1983,
    for polygons.) */
 #include "transform.h"

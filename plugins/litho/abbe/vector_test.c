@@ -74,7 +74,8 @@ static vector refracted(const scanner *s, double x, double y, vector j) {
   vector before = {{kx, ky, sqrt(s->index * s->index - k2)}};
   vector after = {{kx, ky, sqrt(s->resist * s->resist - k2)}};
   vector te = k2 > 0 ? unit(cross(axis, before)) : (vector){{0, 1, 0}};
-  /* Energy through planes across the axis on both sides of the lens. */
+  /* Energy is conserved through planes perpendicular to the axis on both sides
+     of the lens. */
   double mask_z = sqrt(1 - k2 / 16), z = before.at[2], w = after.at[2];
   double lens = sqrt(mask_z / (z / s->index));
   double along = lens * dot(j, te), rest = lens * dot(j, cross(te, axis));

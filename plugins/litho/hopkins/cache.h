@@ -19,7 +19,8 @@ typedef struct cache_key {
 
 typedef struct cache_entry cache_entry;
 
-/* Return the entry of a key and add a user; NULL: no entry. */
+/* Return the entry of a key and add a user. Return NULL if the key has no
+   entry. */
 cache_entry *cache_find(const cache_key *key);
 
 /* Add settled kernels (kernels.settle) and their measured error to the cache,

@@ -44,7 +44,9 @@ static float *table_new(const radial *r, const eigen *e, int part,
   return table;
 }
 
-/* Add a kernel for order m or -m of an eigenfunction. */
+/* Add a kernel for an eigenfunction. If mask and pupil are real, one kernel
+   represents the orders m and -m, with twice the weight; otherwise `order` is m
+   or -m. */
 static void coherent_add(radial *r, const eigen *e, int order) {
   size_t s = r->base.count++;
   coherent *c = &r->kernels[s];

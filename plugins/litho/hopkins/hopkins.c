@@ -24,7 +24,8 @@ enum {
   MOST_LISTED = 800
 };
 
-/* Kernels for one defocus and one requested error. */
+/* The kernels to which T is truncated (`cut`), for one defocus and one
+   requested error. */
 typedef struct cut {
   double defocus; /* nm */
   double wanted;  /* requested error, relative to the clear field */
@@ -109,7 +110,8 @@ static double field_difference(const eda_field *a, const eda_field *b) {
    patterns.h (README.md). */
 static const double margin = 1.35;
 
-/* Spectra and reference images of the patterns; NULL: not yet computed. */
+/* Spectra and reference images of the patterns. A reference image without
+   coefficients has not been computed yet. */
 typedef struct trial {
   eda_spectrum mask[PATTERNS];
   eda_field whole[PATTERNS];
@@ -143,7 +145,9 @@ static int kernels_are_all(const kernels *k) {
   return k->all || k->count + 1 >= ALL;
 }
 
-/* Measure the largest error of the kernels in use on the patterns. */
+/* Measure the largest error of the kernels in use on the patterns. Stop at the
+   first pattern whose error exceeds the requested error if more kernels can be
+   added. */
 static int cut_try(const hopkins *h, cut *c, trial *t, opc_error *error) {
   const kernels *k = c->kernels;
   int code = OPC_OK;
@@ -162,8 +166,8 @@ static int cut_try(const hopkins *h, cut *c, trial *t, opc_error *error) {
 }
 
 /* Return the next number of kernels to try. The error decreases as 1 / number,
-   or faster for small sources, so the number is increased from below the
-   estimate. */
+   or faster for small sources. The next number is therefore only 0.6 of the
+   number estimated by this law. */
 static size_t cut_more_kernels(const cut *c, size_t n) {
   double one = 2 + (double)n + (double)n / 6;
   double guess = 0.6 * (double)n * c->error / c->wanted;
@@ -268,14 +272,14 @@ static void cut_log(const hopkins *h, const cut *c) {
     h->host->log(
         h->host, OPC_LOG_WARNING,
         "litho.hopkins: the rims of the pupils of single source points are "
-        "blurred, an error not included in the stated one: 0.6 %% of the clear "
-        "field for six points in a frame of 3.2 um, 2 to 3 %% in a frame of "
-        "0.8 um; use litho.abbe for sharp pupils");
+        "blurred, which the reported error does not include: 0.6 %% of the "
+        "clear field for six points in a frame of 3.2 um, 2 to 3 %% in a frame "
+        "of 0.8 um; use litho.abbe for sharp pupils");
   else
     h->host->log(
         h->host, OPC_LOG_INFO,
-        "litho.hopkins: tables blur the rims of the pupils, an error not "
-        "included in the stated one: 0.2 to 0.4 %% of the clear field");
+        "litho.hopkins: tables blur the rims of the pupils, which the reported "
+        "error does not include: 0.2 to 0.4 %% of the clear field");
 }
 
 /* Add kernels for a defocus and an error. The caller holds the lock or is the

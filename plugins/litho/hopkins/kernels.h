@@ -46,6 +46,7 @@ kernels *radial_new(const opc_context *context, const optics *o, double defocus,
                     int real, double error);
 
 /* Return kernels of any source and pupil. `defocus`, nm, is added to
-   optics.defocus. NULL and *error on failure. Free with kernels.free. */
+   optics.defocus. On failure, return NULL and set *error. Free with
+   kernels.free. */
 kernels *plane_new(const opc_context *context, const optics *o, double defocus,
                    opc_error *error);

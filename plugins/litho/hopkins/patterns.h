@@ -23,7 +23,7 @@ void pattern_image(const opc_context *context, const kernels *k,
    pattern_lines. [any] */
 int pattern_is_lines(const kernels *k, const eda_spectrum *mask);
 
-/* Replace *image by the image of a mask of lines on the same grid, computed as
-   by pattern_image. [any] */
+/* Replace *image by the image of a mask of lines on the same grid, computed by
+   the double sum of pattern_image. [any] */
 void pattern_lines(const opc_context *context, const kernels *k,
                    const eda_spectrum *mask, eda_field *image);

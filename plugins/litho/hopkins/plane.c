@@ -81,7 +81,8 @@ static void fill_node_row(void *data, size_t j) {
       vector_factors(p->o, q, to * u, to * v, factor);
       for (size_t k = 0; k < p->parts; k++) {
         row[s + k] = (float)(sqrt(q[2]) * factor[k]) * a;
-        /* Squared fraction of the cell inside the pupil. */
+        /* The mean of |P|^2 over the cell is the fraction of the cell inside
+           the pupil. */
         sum += q[2] * factor[k] * factor[k] * cabsf(a);
       }
     }
@@ -105,7 +106,7 @@ typedef struct gram {
 
 enum { ROWS = 16 };
 
-/* Compute some rows of the Gram matrix: sum over nodes of conj(a_s) a_t. */
+/* Compute ROWS rows of the Gram matrix: sum over nodes of conj(a_s) a_t. */
 static void gram_rows(void *data, size_t block) {
   gram *g = data;
   const plane *p = g->p;
@@ -195,9 +196,9 @@ static void plane_mix_span(plane *p, const float complex *q,
   gsl_matrix_complex_free(a);
 }
 
-/* Find the strongest eigenvectors of the Gram matrix in the span of the squared
-   matrix times random vectors (Halko, Martinsson, Tropp, SIAM Review 53, 2011).
-   The random vectors are the same in every run. */
+/* Find the strongest eigenvectors of the Gram matrix in the span of the fourth
+   power of the matrix times random vectors (Halko, Martinsson, Tropp, SIAM
+   Review 53, 2011). The random vectors are the same in every run. */
 static void plane_solve(plane *p) {
   size_t n = p->n, most = n < MOST ? n : MOST;
   size_t count = n < MOST + SPARE ? n : MOST + SPARE;
@@ -346,7 +347,8 @@ static void plane_free(kernels *base) {
   free(p);
 }
 
-/* Find the spacing that divides a source into about POINTS cells. */
+/* Find the spacing that divides a source into about POINTS cells, or half as
+   many for polarised light. Return 0 if the source is too thin. */
 static int plane_sample_source(plane *p) {
   double r = optics_source_radius(p->o);
   double most = p->parts > 1 ? POINTS / 2 : POINTS;

@@ -32,12 +32,13 @@ typedef struct eigen {
   int order, index;
 } eigen;
 
-/* A coherent kernel. If mask and pupil are real: the orders m and -m of one
-   radial function, whose squares are equal, or two radial functions of order 0
-   as real and imaginary part. Otherwise: one function of one order. */
+/* A coherent kernel. If mask and pupil are real, a kernel of order m > 0
+   represents the orders m and -m of one radial function, whose intensities are
+   equal. A kernel of order 0 then contains two radial functions, as real and
+   imaginary part. Otherwise each kernel contains one function of one order. */
 typedef struct coherent {
   int order;
-  float *re, *im; /* TABLE + 2 values each; NULL: 0 */
+  float *re, *im; /* TABLE + 2 values each; im may be NULL: all values are 0 */
 } coherent;
 
 typedef struct radial {

@@ -26,19 +26,22 @@ static const double least_shift = 0.02;
 
 /* ---- work: pairs ---- */
 
-/* Return the fraction of 180 degrees for angle a of a pair (i, j) of every
-   other node. Angles differ between pairs, so that all pairs together sample
-   shifts evenly, and more densely where shifts are small. */
+/* Return the square root of angle a, in units of 180 degrees, for the pair (2
+   i, 2 j) of nodes. Angles differ between pairs, so that all pairs together
+   sample all directions of h evenly. The square makes samples denser where h is
+   small. */
 static double pair_part(int i, int j, int a) {
   double turn = 0.6180339887 * i + 0.7548776662 * j;
   return (a + turn - floor(turn)) / ANGLES;
 }
 
+/* Return angle a between the two frequencies of a pair. */
 static double pair_angle(int i, int j, int a) {
   double part = pair_part(i, j, a);
   return M_PI * part * part;
 }
 
+/* Return the angle of the first frequency of a pair. */
 static double pair_first_angle(int i, int j, int a) {
   double turn = 0.5698402910 * (i + 31.7 * j) + 0.6180339887 * a;
   return M_PI * (turn - floor(turn));

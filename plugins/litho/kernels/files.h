@@ -13,7 +13,7 @@ enum { KERNEL_MOST = 255 }; /* largest number of frequencies across a kernel */
 typedef struct kernel_set {
   size_t count;
   int size, half; /* size = 2 * half + 1 */
-  double radius;  /* radius of the nonzero values, in frequencies */
+  double radius;  /* radius of the nonzero values, in steps of the frequency */
   double *weight;
   float *data;
 } kernel_set;
@@ -22,7 +22,7 @@ typedef struct kernel_set {
    fh1.bin ... in its folder. A kernel file has a header of 24 bytes: rows and
    columns as big-endian 32-bit integers, and four unused integers. Pairs of
    big-endian 32-bit floats follow, row by row. Read only the first `most`
-   kernels; 0: all. Return OPC_OK or an error. */
+   kernels, or all if `most` is 0. Return OPC_OK or an error. */
 int kernel_set_read(const char *path, size_t most, kernel_set *out,
                     opc_error *error);
 void kernel_set_clear(kernel_set *set);

@@ -29,15 +29,17 @@ static const double coarsest = 32; /* largest grid spacing of an image, nm */
 
 /* ---- work: between the frequencies ---- */
 
-/* Weights of the values first .. last for interpolation at a position. */
+/* Weights of the values with index first .. last for interpolation at a
+   frequency. */
 typedef struct reach {
   int first, last;
   double weight[KERNEL_MOST];
 } reach;
 
 /* Compute the weights sin(pi (place - k)) / (pi (place - k)), k = -half ..
-   half. They interpolate the transform of a function that is zero outside of a
-   period at `place`, in units of 1 / period. */
+   half. These weights interpolate, at the frequency `place` in units of 1 /
+   period, the Fourier transform of a function that is zero outside of one
+   period. */
 static void reach_spread(double place, int half, reach *r) {
   static const double same = 1e-6;
   double nearest = round(place);
@@ -57,7 +59,7 @@ static void reach_spread(double place, int half, reach *r) {
     r->weight[k + half] = (k % 2 ? -wave : wave) / (place - k);
 }
 
-/* A kernel set and the weights of its values at the requested frequencies. */
+/* A kernel set and its period, nm: `self` of view_transfer. */
 typedef struct view {
   const kernel_set *set;
   double period;
@@ -152,7 +154,8 @@ static int model_image(const void *self, int layer, const eda_spectrum *mask,
   return image_of(m, &m->set[FOCUS], mask, out, error);
 }
 
-/* Return the kernel set for a defocus; NULL and *error if there is none. */
+/* Return the kernel set for a defocus. If the parameter 'defocus' is required
+   but not set, return NULL and set *error. */
 static const kernel_set *set_at(const model *m, double defocus,
                                 opc_error *error) {
   if (defocus == 0) return &m->set[FOCUS];

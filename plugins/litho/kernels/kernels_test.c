@@ -14,7 +14,7 @@
 
 static const opc_host *host;
 
-/* ---- kernels made up ---- */
+/* ---- synthetic kernels ---- */
 
 static void append32(GByteArray *b, uint32_t v) {
   uint8_t bytes[] = {(uint8_t)(v >> 24), (uint8_t)(v >> 16), (uint8_t)(v >> 8),
