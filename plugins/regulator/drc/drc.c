@@ -77,7 +77,8 @@ static uint32_t gate_vetoes(const drc *r, const eda_printed *p, size_t i) {
   if (p->flags[i] & EDA_PRINT_MERGED) v |= EDA_VETO_LONGER;
   if (p->flags[i] & (EDA_PRINT_OPEN | EDA_PRINT_NO_ACTIVE))
     v |= EDA_VETO_SHORTER | EDA_VETO_NARROWER;
-  /* Compute the space on the mask for a neighbour with the same bias. */
+  /* Assume that the neighbour has the same bias: the space on the mask then
+     shrinks by the bias. */
   double growth = p->l[i] * g->grid;
   if (fmin(g->space[2 * i], g->space[2 * i + 1]) - growth - g->grid <
       r->min_space)

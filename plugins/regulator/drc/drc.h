@@ -27,7 +27,7 @@ typedef struct places {
    displacements of the mask edge (rules_advance). */
 typedef struct response {
   int32_t bias; /* displacement of the mask edge at the measurement */
-  double value; /* measured figure of the printed edge, nm */
+  double value; /* measured extension or distance of the printed edge, nm */
   int seen;     /* 1: an earlier measurement exists */
 } response;
 
@@ -47,22 +47,23 @@ typedef struct site {
   uint16_t layer;
   uint8_t kind;
   uint8_t sides;   /* bit set of checked sides (1 << LEFT and so on); SITE_GAP:
-                      LEFT or BELOW, the axis across the gap */
+                      only LEFT or BELOW, the direction across the gap */
   uint8_t failing; /* bit set of sides that failed the last check */
 } site;
 
-/* Line end beyond an end of the width of gate i: element 2 * i of drc.ends for
-   the LOW end, 2 * i + 1 for the HIGH end. */
+/* Line end of poly beyond an end of the width of gate i. The head is the
+   widened part of a line end. Order: element 2 * i of drc.ends for the LOW end,
+   2 * i + 1 for the HIGH end. */
 typedef struct line_end {
-  eda_box tip;           /* drawn edge of the line end, a box of height or width
-                            0 */
-  int side;              /* outward direction; -1: no line end */
-  int32_t most, by;      /* largest and present outward displacement */
-  int32_t share;         /* displacement that uses half of the drawn space in
-                            front of the line end */
-  int32_t limit;         /* largest displacement that neighbours permit at
-                            present */
-  int32_t start;         /* length of the head inwards of the tip */
+  eda_box tip;      /* drawn edge of the line end, a box of height or width
+                       0 */
+  int side;         /* outward direction; -1: no line end */
+  int32_t most, by; /* largest and present outward displacement */
+  int32_t share;    /* displacement that uses half of the drawn space in
+                       front of the line end */
+  int32_t limit;    /* largest displacement that neighbours permit at
+                       present */
+  int32_t start;    /* distance from the tip inwards to the begin of the head */
   int32_t widest, wider; /* largest and present widening of the head, per flank
                           */
   double requested; /* requested widening, nm, for which `widest` was computed;
@@ -119,7 +120,8 @@ typedef struct drc {
   double overlay, min_extension, want_extension, max_growth, max_head;
   double min_space, min_width, min_mask_width;
 
-  const eda_gates *gates; /* gates of all members below; NULL: none yet */
+  const eda_gates *gates; /* gates to which all members below apply; NULL before
+                             the first call */
   uint64_t serial;
   double grid;
   size_t layers;
@@ -177,9 +179,10 @@ eda_box *shapes_edges(const eda_shapes *shapes, size_t *n);
 eda_box box_window(eda_box box, int side, int32_t from, int32_t to,
                    int32_t beside);
 
-/* Return the distance, in direction `side`, from the first edge of `window` to
-   the nearest box that overlaps the inside of the window; `none` if no box is
-   nearer than `none`. `which` (may be NULL) receives the nearest box. */
+/* Return the distance, in direction `side`, from the edge of `window` opposite
+   to `side` to the nearest box that overlaps the inside of the window; `none`
+   if no box is nearer than `none`. `which` (may be NULL) receives the nearest
+   box. */
 int32_t places_nearest(const places *p, eda_box window, int side, int32_t none,
                        eda_box *which);
 
@@ -190,10 +193,11 @@ int32_t mask_spacing(drc *r, const eda_printed *p, eda_box edge, int side,
 
 /* ---- rules.c ---- */
 
-/* Return the bias at which the printed figure is expected to reach `target`
-   plus tuned.spare. `value`: the figure measured at `bias`, nm. The response is
-   the slope between the last two measurements; for the first measurement
-   tuned.usual times `steep`. Stores the measurement in `r`. */
+/* Return the bias of a mask edge at which a measured value of the printed edge
+   is expected to reach `target` plus tuned.spare, nm. `value`: the value
+   measured at `bias`, nm. The response is the slope between the last two
+   measurements; for the first measurement tuned.usual times `steep`. Stores the
+   measurement in `r`. */
 int32_t rules_advance(response *r, int32_t bias, double value, double target,
                       double steep, double grid);
 void violations_add(violations *l, eda_violation v);
@@ -261,8 +265,8 @@ void smooth_add_boxes(drc *r);
 
 /* ---- mrc.c: rules of the mask ---- */
 
-/* Faults of a layer: input `wanted`, output `fault` (free()) and their
-   number. */
+/* Faults of a layer. If `wanted` is 1, mrc_find sets `fault` to an array of n
+   faults, which the caller frees with free(). */
 typedef struct mrc_faults {
   int wanted;
   eda_rule_fault *fault;

@@ -144,7 +144,8 @@ static void test_facing(void) {
 }
 
 /* If only one line end is too short, it may use the share of the other line
-   end, except for a rest of a third of a step. */
+   end. Each displacement uses one third of the remaining space, so the last 2
+   nm may remain. */
 static void test_alone(void) {
   g_autoptr(opc_module) m = drc_make("{ min_space: 60 nm }");
   fixture f;

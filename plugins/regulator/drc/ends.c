@@ -129,10 +129,12 @@ static int32_t outward_limit(drc *r, const eda_printed *p, const line_end *e,
   left -= left / 3;
   return bias + left < share ? bias + left : share;
 }
-/* Return the target of the printed extension: the desired extension if nothing
-   prints in front of the line end, else the required extension. A request of
-   the synthesizer is valid in all iterations, because the synthesizer expects
-   the effect of its own requests. */
+
+/* Return the target of the printed extension: the required extension, or the
+   desired extension if the required extension is reached and nothing prints in
+   front of the line end. A request of the synthesizer is valid in all
+   iterations, because the synthesizer expects the effect of its own requests.
+   */
 static double wanted_extension(const drc *r, const eda_printed *p, size_t end) {
   const line_end *one = &r->ends[end];
   double extension = p->extension[end], desired = r->min_extension;

@@ -3,9 +3,9 @@
    follows them. */
 #include "chip_test.h"
 
-/* A line end that prints 0.7 nm per nm of length and 3 nm per nm of its head:
-   the extension first grows by length, until steps of a third have used the
-   spacing of 40 nm, then by the width of the head. */
+/* The printed extension of a line end grows by 0.7 nm per nm of length and by 3
+   nm per nm of the head's width. The regulator first increases the length until
+   the spacing of 40 nm is used, and then widens the head. */
 static void test_heads(void) {
   static const struct {
     const char *parameters;

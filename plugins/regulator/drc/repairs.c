@@ -129,7 +129,8 @@ static void repair_measure(void *data, size_t i) {
 /* ---- segments and limits ---- */
 
 /* Return the outward displacement of a corner by a change of a gate's width:
-   half of the change (HIGH has the odd step) and the lateral shift. */
+   half of the change, plus the lateral shift of the gate towards the corner.
+   The high side has the odd grid step of the change. */
 static int32_t corner_move(const eda_printed *p, const eda_fragment *f) {
   if (!f) return 0;
   int32_t w = p->w[f->gate], low = w >> 1;
@@ -154,7 +155,7 @@ static int segment_reaches(const drc *r, const repair *one, int side,
 }
 
 /* Return the extension of the repair shape on `side` over a corner shared with
-   the repair shape on the adjacent side `next`; 0: no shared corner. */
+   the repair shape on the adjacent side `next`; 0 if no corner is shared. */
 static int32_t segment_overlap(const drc *r, const repair *one, int side,
                                int next) {
   return segment_reaches(r, one, side, next) &&
@@ -164,7 +165,8 @@ static int32_t segment_overlap(const drc *r, const repair *one, int side,
 }
 
 /* Return the extension of the end of a repair shape into a concave corner,
-   whose adjacent edge may have been displaced inwards; 0: no concave corner. */
+   whose adjacent edge may have been displaced inwards; 0 if the corner is not
+   concave. */
 static int32_t segment_into_corner(const drc *r, const repair *one, int side,
                                    int32_t at) {
   eda_box c = r->sites[one->site].box;
@@ -255,7 +257,7 @@ static int32_t outward_limit(const drc *r, const site *s, const repair *one,
 }
 
 /* Return the active edge that displaces the corner (x, y) of the edge on
-   `side`; NULL: none. */
+   `side`, or NULL if the corner is not displaced. */
 static const eda_fragment *corner_edge(const drc *r, int side, int32_t x,
                                        int32_t y) {
   const eda_fragment *found = NULL;
@@ -324,8 +326,8 @@ static void repair_find_edge(const drc *r, const site *s, repair *one,
   repair_find_corners(r, s, one, side, edge);
 }
 
-/* Replace an entire edge that caused bridging by the part in front of the
-   site. */
+/* Displace only the part of an edge in front of the site, because displacing
+   the entire edge caused bridging. */
 static void repair_keep_segment(const drc *r, const site *s, repair *one,
                                 int side) {
   eda_box edge = {0};
@@ -355,7 +357,7 @@ void repairs_check(drc *r, const eda_printed *p) {
 
 /* ---- repairs ---- */
 
-/* Return the figure of a side that is compared with the limit. For a line, the
+/* Return the value of a side that is compared with the limit. For a line, the
    total width is compared, so each side has half of the sum of both sides. */
 static double repair_figure(const site *s, const repair *one, int side) {
   return s->kind == SITE_LINE
@@ -394,8 +396,10 @@ static void repair_grow(const drc *r, const site *s, repair *one) {
 }
 
 /* Reduce by `step` the repair shapes that bridge the gap or touch the contact
-   of site `wrong`, and limit their growth. `facing`: 1: only shapes that face
-   the site; 0: all shapes within `near`. Return 1 if a shape was found. */
+   of site `wrong`, and limit their growth. A shape that displaces an entire
+   edge is first shortened to the part in front of the contact or line that
+   requires the shape. `facing`: 1: only shapes that face the site; 0: all
+   shapes within `near`. Return 1 if a shape was found. */
 static int shapes_reduce(drc *r, const eda_printed *p, const site *wrong,
                          int32_t near, int32_t step, int facing) {
   int32_t flank = (int32_t)(tuned.corner / r->grid);

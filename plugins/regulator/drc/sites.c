@@ -26,7 +26,8 @@ static double interval_distance(int32_t a0, int32_t a1, int32_t b0,
   return fmax(fmax((double)b0 - a1, (double)a0 - b1), 0);
 }
 
-/* Return the nearest gate, the first of several at equal distance; -1: none. */
+/* Return the nearest gate, the first of several at equal distance; -1 if no
+   gate is within tuned.near_gate. */
 static int32_t nearest_gate(const drc *r, eda_box b) {
   int32_t reach = (int32_t)(tuned.near_gate / r->grid), found = INT32_MAX;
   double least = reach;
@@ -166,7 +167,8 @@ static eda_point wall_point(const wall *w, double t, double length) {
       w->a.y + (int32_t)lround(((double)w->b.y - w->a.y) * t / length)};
 }
 
-/* Return the point at the distance `d` from p towards `side`. */
+/* Return the point at the distance `d` from p towards `side`, ABOVE or RIGHT.
+ */
 static eda_point point_beyond(eda_point p, int side, int32_t d) {
   return side == ABOVE ? (eda_point){p.x, p.y + d} : (eda_point){p.x + d, p.y};
 }

@@ -14,7 +14,8 @@ typedef struct stretch {
   eda_box wall;
   int behind;              /* direction from the wall into the poly */
   int32_t at;              /* position of the gap along the wall */
-  int32_t least, beside;   /* smallest depth; distance along the wall */
+  int32_t least, beside;   /* smallest depth; smallest distance along the wall
+                              from gates and contacts */
   int32_t from, to, limit; /* ends of the stretch; largest depth */
 } stretch;
 
@@ -52,7 +53,8 @@ static void stretch_keep_away(const drc *r, stretch *s, const places *what,
     stretch_shorten(s, what->box[i], keep);
 }
 
-/* Return the largest trim of an edge at a gap. */
+/* Return the largest permitted trim of an edge at a gap; the limit is 0 if the
+   stretch would be shorter than min_space. */
 static trim trim_of(const drc *r, eda_box wall, int side, int32_t at) {
   int behind = side_opposite(side), along_y = side_upright(side);
   int32_t far = (int32_t)(tuned.of_gate / r->grid);
@@ -84,7 +86,8 @@ static trim trim_of(const drc *r, eda_box wall, int side, int32_t at) {
 
 /* ---- gaps ---- */
 
-/* Find the poly edge on a side of the centre p of a gap. Return 0 if none. */
+/* Find the poly edge on a side of the centre p of a gap. Return 0 if no
+   straight edge is near. */
 static int wall_at(const drc *r, eda_point p, int side, eda_box *wall) {
   int32_t far = (int32_t)(2 * tuned.of_gate / r->grid);
   eda_box dot = {p.x, p.y, p.x, p.y};
