@@ -31,7 +31,7 @@ static int is_far(const resist_line *l) {
   return fmax(l->pitch, fmax(l->line, l->cd)) > most;
 }
 
-/* Return the fault of a line as a text; NULL: none. */
+/* Return the fault of a line as a text, or NULL if the line is valid. */
 static const char *line_fault(const resist_line *l) {
   if (is_far(l)) return too_far;
   if (!(l->line > 0 && l->cd > 0)) return "widths must be above 0";

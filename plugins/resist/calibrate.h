@@ -25,16 +25,17 @@ typedef struct resist_line {
 } resist_line;
 
 typedef struct resist_layer {
-  resist_line anchor; /* NAN: not given */
-  /* Gates that define values of the anchor that are not given: parameter
-     anchor.gates (gates), or gates of the simulating step (drawn). NULL:
-     none. */
+  /* Line that must print to the width `cd`. NAN: the value is not given. */
+  resist_line anchor;
+  /* Gates that define values of the anchor that are not given. `gates`:
+     parameter anchor.gates; `drawn`: gates of the simulating step. Both may be
+     NULL. */
   const eda_gates *gates, *drawn;
   int gates_given;
   int logged; /* 1: the anchor, or a warning about the anchor, was logged */
   opc_reals table;
   int table_given;
-  const char *file; /* CSV file of the table; NULL: none */
+  const char *file; /* CSV file of the table, or NULL */
   int bright;       /* 1: bright features print */
 
   /* The members below are set by resist_layer_check. */
@@ -74,7 +75,7 @@ typedef struct resist_base {
    .summary = "wanted printed width; default: the drawn width",               \
    OPC_FIELD(resist_base, layer[set].anchor.cd)},                             \
   {.name = prefix "table", .type = OPC_REALS, .unit = "nm",                   \
-   .summary = "lines that replace the anchor: [pitch, cd, ...]",              \
+   .summary = "pitch and printed width of each line that replaces the anchor",\
    OPC_FIELD(resist_base, layer[set].table),                                  \
    .given = offsetof(resist_base, layer[set].table_given)},                   \
   {.name = prefix "table_file", .type = OPC_FILE,                             \

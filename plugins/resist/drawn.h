@@ -16,6 +16,6 @@ typedef struct resist_drawn {
    distance of two such gates side by side. The shortest length is the nominal
    length of a process and occurs in nearly every cell, while the most frequent
    length varies between cells. The smallest pitch is not used: even a single
-   pair of gates in series without a contact would define the pitch. Return 0
-   without gates. */
+   pair of gates in series without a contact would define the pitch. Return 0 if
+   `gates` is empty. */
 int resist_drawn_of(const eda_gates *gates, resist_drawn *out);

@@ -106,21 +106,21 @@ static int vtr_print(const void *self, int layer, eda_field *field,
    .summary = "constant part of the threshold; calibrated if not given",      \
    OPC_FIELD(resist, given[set][CONSTANT])},                                  \
   {.name = prefix "maximum", .type = OPC_REAL,                                \
-   .summary = "change of the threshold by the maximum intensity; default: "   \
-              "0, or fitted",                                                 \
+   .summary = "coefficient of the maximum intensity in the threshold; "       \
+              "default: 0, or fitted",                                        \
    OPC_FIELD(resist, given[set][MAXIMUM])},                                   \
   {.name = prefix "slope", .type = OPC_REAL, .unit = "nm",                    \
-   .summary = "change of the threshold by the image slope in 1/nm; "          \
+   .summary = "coefficient of the image slope in 1/nm in the threshold; "     \
               "default: 0, or fitted",                                        \
    OPC_FIELD(resist, given[set][SLOPE])},                                     \
   {.name = prefix "product", .type = OPC_REAL, .unit = "nm",                  \
-   .summary = "change of the threshold by the product of maximum and slope; " \
-              "default: 0, or fitted",                                        \
+   .summary = "coefficient of the product of maximum and slope in the "       \
+              "threshold; default: 0, or fitted",                             \
    OPC_FIELD(resist, given[set][PRODUCT])},                                   \
   {.name = prefix "fit", .type = OPC_CHOICE,                                  \
    .choices = "constant|maximum|slope|product",                               \
-   .summary = "last coefficient fitted to a table, with all preceding ones "  \
-              "that are not given; default: slope",                           \
+   .summary = "last coefficient that a table determines, with all "           \
+              "preceding coefficients that are not given; default: slope",    \
    OPC_FIELD(resist, last[set])}
 /* clang-format on */
 
