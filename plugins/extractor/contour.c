@@ -44,8 +44,9 @@ static const double enough = 0.02;
 static const double rounding = 45;
 
 struct contour {
-  double *series[SIZES];            /* [node * size + coefficient], transform */
-  double *place[SIZES];             /* [size], nodes, -1 to 1 */
+  double *series[SIZES]; /* matrix from squared lengths at the nodes to
+                            coefficients: [node * size + coefficient] */
+  double *place[SIZES];  /* [size], nodes, -1 to 1 */
   double node[NODES], share[NODES]; /* Gauss-Legendre rule on [0, 1] */
 };
 
@@ -160,6 +161,8 @@ static double shape_measure(const contour *c, int s, shape *h) {
 
 /* ---- the integrals ---- */
 
+/* Compute the functions whose integrals over the width are preserved, at a
+   position with the given length. Order: as the sums (MOMENTS). */
 static inline void shape_functions(const shape *h, double place, double length,
                                    double f[MOMENTS]) {
   f[0] = 1;
@@ -289,7 +292,9 @@ typedef struct slices {
 
 /* Scale the widths by factors nearest to 1 (least squares) so that the first
    `moments` sums are 1. Return 1. If a factor is negative, set the width with
-   the lowest factor to 0 and return 0: the caller tries again. */
+   the lowest factor to 0 and return 0: the caller tries again. If the equations
+   have no solution, return 1 with unchanged widths, which slices_add_up
+   detects. */
 static int slices_fit(const slices *s, int moments, double *width) {
   double a[MOMENTS][MOMENTS] = {{0}}, r[MOMENTS] = {1, 1, 1, 1, 1, 1};
   for (size_t i = 0; i < s->n; i++)

@@ -16,7 +16,7 @@ typedef struct slicer {
   double *place, *width; /* [slices]: centres and widths of slices, fractions of
                             the gate's width. With the rule `contour`, they are
                             used only if contour_slice fails. */
-  contour *contour;      /* NULL: the rule is not `contour` */
+  contour *contour;      /* NULL for other rules than `contour` */
   eda_curves curves;
   contour_weight *weight; /* weight of a slice; NULL: all weights are 1 */
   double reach;           /* decay length of the edge current, nm */
