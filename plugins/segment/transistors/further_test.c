@@ -83,7 +83,7 @@ static void write_note(drawing *d, int32_t x, int32_t y, const char *text) {
 }
 
 /* Return a layout of an inverter with a note on its n-transistor. The layout
-   has the inverter as drawn, rotated, mirrored, and four times in an array.. */
+   has the inverter as drawn, rotated, mirrored, and four times in an array. */
 static drawing noted(drawing *inverter) {
   static const eda_placement places[] = {
       {{1000, 0}, 1, 0, 0, 1, 1, {0, 0}, {0, 0}},

@@ -16,11 +16,12 @@ static int32_t by_lot(int32_t low, int32_t high) {
   return low + (int32_t)((state >> 8) % (uint32_t)(high - low + 1));
 }
 
-/* A line that starts at -before. The first active begins at 0; the second
-   begins `gap` after the end of the first. */
+/* A line over two actives. The line starts `before` ahead of the first active,
+   which begins at 0, and ends `past` beyond the second active, which begins
+   `gap` after the end of the first. The actives are `width` long along the line
+   and extend `beside` beyond both sides of the line. */
 typedef struct drawing {
-  int32_t before, past, width[2], gap, beside[2]; /* width of the line inside
-                                                     the active */
+  int32_t before, past, width[2], gap, beside[2];
   int32_t overhang, line_end, end;
   int turned; /* 1: the line is along x */
 } drawing;

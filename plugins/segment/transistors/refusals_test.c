@@ -5,9 +5,10 @@
 
 /* ---- types ---- */
 
-/* Assert the type of a single transistor. `layers` are n, p for wells and N, P
-   for implants over the transistor; in brackets: beside the transistor; after
-   '<': partly over the transistor. */
+/* Assert the type of a single transistor. Each letter of `layers` is a drawn
+   layer: n and p are wells, N and P implants. A layer covers the transistor, in
+   brackets is beside the transistor, and after '<' covers the transistor
+   partly. */
 static void type_is(const char *layers, int code, const char *want) {
   static const char letters[] = "npNP";
   static const char *const names[] = {"nwell", "pwell", "nimplant", "pimplant"};
