@@ -16,7 +16,7 @@ typedef struct builder {
   const eda_subcircuit *top;
   const eda_timing_cell **cell; /* cell of each instance */
   const uint32_t **port;        /* nets of the ports of each instance */
-  int64_t *driver;              /* node that drives each net; -1: none */
+  int64_t *driver;              /* node that drives each net, or -1 */
   opc_error *error;
 } builder;
 
@@ -33,7 +33,8 @@ static char *own_text(eda_pool *pool, const char *text) {
 
 /* ---- instances ---- */
 
-/* Return the net connected to the port named `pin`; -1: no such port. */
+/* Return the net connected to the port named `pin`, or -1 without such a
+   port. */
 static int64_t net_of(const eda_subcircuit *child, const eda_element *e,
                       const char *pin) {
   for (size_t i = 0; i < child->ports && i < e->nodes; i++)
@@ -216,7 +217,8 @@ static GHashTable *index_instances(const graph *g) {
   return at;
 }
 
-/* Return the place of a device: "XU1/M_i_0" is device M_i_0 of instance XU1. */
+/* Return the instance and cell device of a device of the placed circuit, by its
+   name: "XU1/M_i_0" is device M_i_0 of instance XU1. */
 static place find_device(const graph *g, const char *name,
                          GHashTable *instances) {
   const char *slash = strchr(name, '/');

@@ -13,8 +13,8 @@ typedef struct node {
   uint32_t instance;
   uint32_t output;    /* output of the cell */
   uint32_t net;       /* net driven by the output */
-  const uint32_t *in; /* nets of the cell's inputs */
-  size_t table;       /* offset in state.table */
+  const uint32_t *in; /* nets of the cell's inputs, then of its outputs */
+  size_t table;       /* offset of the node's arcs in state.table */
 } node;
 
 /* Input pin of an instance. */
@@ -33,10 +33,10 @@ typedef struct graph {
   node *node;
   size_t inputs, outputs;
   uint32_t *input, *output; /* nets, in the order of the ports */
-  size_t arrivals;          /* number of outputs driven by a node */
-  uint32_t *fanout;         /* pins on each net */
+  uint32_t *fanout;         /* number of input pins on each net */
   plug *pin;                /* all input pins, ordered by net */
-  uint32_t *first_pin;      /* [nets + 1] */
+  uint32_t *first_pin;      /* [nets + 1]; the pins of net n are
+                               pin[first_pin[n]] .. pin[first_pin[n + 1] - 1] */
 } graph;
 
 /* Electrical conditions at the boundary of the circuit. */
@@ -68,18 +68,18 @@ place *graph_places(const graph *g, const eda_circuit *circuit,
 /* Set of transistor sizes, drawn or printed, with the resulting tables. */
 typedef struct state {
   const char *name;
-  double *
-      *change; /* ln of the ratio of printed to drawn size, [instance][bundle *
-                  EDA_SIZES + size]; NULL: drawn sizes */
-  double *table; /* cubic coefficients of the arcs of all nodes, ps; see
-                    tables.c */
-  double *one;   /* one delay per arc, fs, for SDF files (see the enumeration
-                    below) */
+  double **change; /* ln(printed / drawn size), [instance][bundle * EDA_SIZES +
+                      size]; NULL for drawn sizes */
+  double *table;   /* cubic coefficients of the arcs of all nodes, ps; see
+                      tables.c */
+  double *one;     /* one delay per arc, fs, for SDF files (see the enumeration
+                      below) */
   const node *nodes;
-  /* Loads of each net, F, [(net * 2 + rises) * EDA_CAPS + cap]. `load`: mean
-     over the input patterns of the instances on the net. `fixed`: part of wires
-     and output loads. `least` and `largest`: bounds over the input patterns.
-     `mean`: position of `load` between the bounds, 0 to 1. */
+  /* Loads of each net, F, [(net * 2 + rises) * EDA_CAPS + cap]. `load` is the
+     mean over the input patterns of the instances that the net drives; `least`
+     and `largest` are the bounds over these patterns. `fixed` is the part of
+     wires and output loads. `mean` is the position of `load` between the
+     bounds, 0 to 1. */
   double *load, *fixed, *least, *largest, *mean;
   /* Ratio of printed to drawn pin capacitance, [(pin * 2 + rises) * EDA_CAPS +
      cap], pins as in graph.pin. */
@@ -91,6 +91,8 @@ typedef struct state {
 /* Values per arc: delay and slew, each at the least and the largest load. */
 enum { ARC_PARTS = 2 * EDA_CAPS };
 
+/* Allocate and compute the loads, tables and single delays of a state from
+   s->change. */
 void state_tables(const graph *g, conditions at, state *s);
 /* Recompute the tables of one node after a change of sizes or loads. */
 void node_tables(const node *n, const state *s);
@@ -108,8 +110,8 @@ size_t arc_doubles(const eda_timing_cell *cell);
 void arc_at(const node *n, const state *s, size_t arc, double slew,
             double *delay, double *out);
 
-/* Compute delay and output slew (ps) at load `load`, for each capacitance as a
-   position between the least (0) and the largest (1) load. */
+/* Compute delay and output slew (ps) at a load between the least and the
+   largest load of the net. load[cap] is the position between both, 0 to 1. */
 void arc_loaded(const node *n, const state *s, size_t arc, double slew,
                 const double load[EDA_CAPS], double *delay, double *out);
 
@@ -117,20 +119,23 @@ void arc_loaded(const node *n, const state *s, size_t arc, double slew,
    net that rises or falls. */
 const double *mean_load(const state *s, uint32_t net, int rises);
 
-/* Compute the load for arc_loaded from the input levels of the connected
-   instances: `from` holds one input pattern for each pin of the net. */
+/* Compute the load for arc_loaded from the input levels of the instances that
+   the net drives; from[k] is the input pattern of the instance of the net's pin
+   k. */
 void load_at(const graph *g, const state *s, uint32_t net, int rises,
              const uint32_t *from, double load[EDA_CAPS]);
 
-/* One delay per arc, from a cell input to an output that rises or falls, fs:
-   the least, mean and largest over the levels of the other inputs, at the slews
-   of static analysis. NAN: no such arc. */
+/* Return the least, mean and largest delay (fs, [KINDS]) from a cell input to
+   the output of a node that rises or falls. The delays are taken over the
+   levels of the other inputs, at the slews of static timing analysis. NAN if
+   there is no such arc. */
 enum { LEAST, MEAN, LARGEST, KINDS };
 const double *one_delay(const node *n, const state *s, size_t input, int rises);
 
-/* Result of static timing analysis: latest arrival (ps) and slew (ps) of each
-   net, [net * 2 + rises], and the preceding index net * 2 + rises on the latest
-   path (UINT32_MAX: none). */
+/* Result of static timing analysis for each transition, [net * 2 + rises]:
+   latest arrival (ps; -INFINITY if the transition does not occur), slew (ps),
+   and the index of the preceding transition on the latest path (UINT32_MAX at
+   inputs). */
 typedef struct arrivals {
   double *time, *slew;
   uint32_t *from;

@@ -5,7 +5,7 @@
 
 #include <opcflow/step.h>
 
-/* Uses the members models[2] and model[2]. */
+/* Model cards: files in the member models[2] and model names in model[2]. */
 #define TIMING_MODELS(self_type, flag, text)                                 \
   OPC_PARAMETER_NAMED("models", self_type, models[0], .type = OPC_FILE,      \
                       .flags = (flag), .summary = (text)),                   \
@@ -20,7 +20,7 @@
                           .type = OPC_TEXT, .preset = "pmos",                \
                           .summary = "name of the p-transistor's model")
 
-/* Uses the member limit, s. */
+/* Time limit of the simulator, in the member limit, s. */
 #define TIMING_TIME_LIMIT(self_type)                                       \
   OPC_PARAMETER_NAMED(                                                     \
       "time_limit", self_type, limit, .type = OPC_REAL, .unit = "s",       \
@@ -28,7 +28,7 @@
       .preset = "600 s", .min = 0, .max = 86400,                           \
       .summary = "Longest time of one process of the simulator")
 
-/* Uses the member at, of type conditions. */
+/* Electrical conditions, in the member at of type conditions (graph.h). */
 #define TIMING_CONDITIONS(self_type)                                           \
   OPC_PARAMETER_NAMED("load", self_type, at.load, .type = OPC_REAL,            \
                       .unit = "F", .flags = OPC_AT_LEAST | OPC_AT_MOST,        \

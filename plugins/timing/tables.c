@@ -20,7 +20,8 @@ static size_t place_of(uint32_t net, int rises) {
   return ((size_t)net * 2 + (size_t)rises) * EDA_CAPS;
 }
 
-/* Return the capacitance ratios of pin k, [EDA_CAPS]; see state.pins. */
+/* Return the ratios of printed to drawn capacitance of pin k of the graph,
+   [EDA_CAPS]. */
 static double *factor_of(const state *s, size_t k, int rises) {
   return s->pins + (k * 2 + (size_t)rises) * EDA_CAPS;
 }
@@ -152,8 +153,8 @@ void arc_at(const node *n, const state *s, size_t arc, double slew,
 
 /* ---- static analysis ---- */
 
-/* Each net takes the latest arrival of all arcs. The slew is the largest slew
-   of all arcs, also of arcs that are not the latest. */
+/* The arrival of a transition is the latest of all arcs to it. The slew is the
+   largest of all arcs, also of arcs that are not the latest. */
 arrivals static_arrivals(const graph *g, const state *s, double slew,
                          eda_pool *pool) {
   arrivals a = {eda_pool_alloc(pool, 2 * g->nets, sizeof(double)),

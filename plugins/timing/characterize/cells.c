@@ -80,7 +80,9 @@ static const char *take_pins(study *s, const eda_flat_netlist *flat,
 
 enum { LOW, HIGH, UNKNOWN };
 
-/* Nets connected to a level: by[level][0] certainly, by[level][1] possibly. */
+/* Flags of each net: by[level][0][net] is 1 if channels that certainly conduct
+   connect the net to `level`; by[level][1][net] is 1 if channels that conduct
+   or may conduct do. */
 typedef struct reach {
   uint8_t *by[2][2];
 } reach;
@@ -199,8 +201,9 @@ static void list_arcs(study *s, eda_timing_cell *c) {
 
 /* ---- sizes relevant for an arc ---- */
 
-/* Mark the nets whose voltage may change during an arc: nets connected to
-   changing nets by channels that conduct at some time. */
+/* Mark the nets whose voltage may change during an arc: both ends of channels
+   whose gate changes, and nets that a conducting channel connects to a changing
+   net. Nets with a fixed level do not change. */
 static void find_moves(const eda_timing_cell *c, const uint8_t *fixed,
                        const uint8_t *value, uint8_t *moves) {
   for (int news = 1; news;) {

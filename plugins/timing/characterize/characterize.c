@@ -12,8 +12,8 @@
 
 /* ---- work: selection of cells ---- */
 
-/* Return 1 for a subcircuit of transistors only; one with instances is a
-   circuit. */
+/* Return 1 if a subcircuit consists of transistors only. A subcircuit with
+   instances of other subcircuits is a circuit, not a cell. */
 static int is_cell(const eda_subcircuit *c) {
   for (size_t i = 0; i < c->elements; i++)
     if (!c->element[i].is_transistor) return 0;
@@ -79,8 +79,8 @@ static int find_figures(study *s, eda_timing_cell *c, int *kept,
   int code = *kept ? OPC_OK : cell_measure(s, c, error);
   if (!code && !*kept) keep_save(s, key, c->figure, c->figures);
   if (!code) code = pairs_find(s, c, key, error);
-  /* The simulated values belong to one of the r->times identical circuits in
-     parallel. */
+  /* The cell consists of circuit.times identical circuits in parallel, of which
+     one was simulated. */
   const size_t pins = c->inputs * 2 * EDA_CAPS,
                all = pins * (1 + c->bundles * (size_t)EDA_SIZES),
                by_pattern = (c->inputs << c->inputs) * EDA_CAPS;

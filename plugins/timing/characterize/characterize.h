@@ -8,19 +8,21 @@
 #include <eda/timing.h>
 #include <opcflow/step.h>
 
-/* Merged equivalent transistors of a cell. A merged net has the number of the
-   first of its nets. Part i corresponds to bundle i of the cell. */
+/* A bundle: equivalent transistors of a cell, merged into one. drain, gate,
+   source and bulk are net numbers; merged nets have the smallest of their
+   numbers. Part i is bundle i of the cell (eda_timing_device.bundle). */
 typedef struct part {
   uint8_t type;
   uint32_t drain, gate, source, bulk;
   double length, width; /* size of one of the merged transistors, nm */
-  uint32_t count;
-  uint32_t place;  /* temporary, for sorting */
+  uint32_t count;  /* number of merged transistors, divided by circuit.times */
+  uint32_t place;  /* position before sorting; used by sort_parts only */
   uint64_t colour; /* hash of the position in the circuit, independent of the
                       netlist's order */
 } part;
 
-/* Simulated circuit; the cell equals `times` such circuits in parallel. */
+/* Simulated circuit of a cell. The cell equals `times` such circuits in
+   parallel. */
 typedef struct circuit {
   size_t parts;
   part *part;
@@ -33,7 +35,8 @@ typedef struct study {
   /* Parameters. */
   const char *file, *top, *cells;
   double scale;
-  const char *models[2], *model[2]; /* files ([1] NULL: as [0]), names */
+  const char *models[2], *model[2]; /* files and names of the n- and p-model; if
+                                       models[1] is NULL, models[0] has both */
   const char *n_models, *p_models;  /* model names in the netlist that do not
                                        show the type */
   const char *supplies, *grounds;
@@ -48,15 +51,16 @@ typedef struct study {
   eda_timing *timing;
   circuit *circuit; /* of each cell */
   eda_pool pool;
-  const char *cards[2]; /* absolute paths; [1] NULL: as [0] */
+  const char *cards[2]; /* absolute paths of models[] */
   eda_card card[2];
   size_t simulated; /* number of simulated transitions */
 } study;
 
 /* ---- cells.c: pins, logic and arcs ---- */
 
-/* Find the pins, logic and arcs of a subcircuit. Sets `trouble` for cells that
-   cannot be characterized. */
+/* Fill in the cell `c` and its simulated circuit `r` from subcircuit `number`:
+   pins, logic, arcs, pairs and the grid. Sets c->trouble to the reason if the
+   cell cannot be characterized, which is no error. */
 int cell_build(study *s, eda_netlist *n, uint32_t number, eda_timing_cell *c,
                circuit *r, opc_error *error);
 
@@ -65,7 +69,7 @@ static inline const circuit *circuit_of(const study *s,
   return &s->circuit[c - s->timing->cell];
 }
 
-/* Return, for each part, the set of sizes that affect an arc. */
+/* Set sizes[part] to the sizes of each part that affect an arc. */
 enum { NO_SIZE, WIDTH_ONLY, ALL_SIZES };
 void arc_sizes(const eda_timing_cell *c, const circuit *r,
                const eda_timing_arc *a, uint8_t *sizes);
@@ -77,23 +81,26 @@ void cell_join(eda_pool *pool, eda_timing_cell *c, circuit *r);
 
 /* ---- decks.c: many copies of a cell in one run of the simulator ---- */
 
+/* One instance of a cell in a simulation: an input changes, and the delay and
+   slew of an output, or the capacitance of the input, is measured. */
 typedef struct copy {
   const eda_timing_cell *cell;
-  uint32_t from; /* input levels before the change */
+  uint32_t from; /* input levels before the change; bit i is input i */
   uint8_t input, output;
-  int of_pin; /* 1: measure the capacitance of the pin, not a delay */
-  double load;
-  const double *change; /* ln of size ratio, [bundle * EDA_SIZES + size]; NULL:
-                           drawn sizes */
-  double delay, slew;   /* delay and slew: expected before the run, measured
-                           after the run; 0: unknown */
+  int of_pin;           /* 1: measure the capacitance of the pin, not a delay */
+  double load;          /* at each output of the cell, F */
+  const double *change; /* ln(size / drawn size), [bundle * EDA_SIZES + size];
+                           NULL if all sizes are as drawn */
+  double delay, slew;   /* before the run: estimates, 0 if unknown; after the
+                           run: measured values */
   double capacitance[EDA_CAPS];
   /* If `two`, a second input changes; its number, its slew, s, and the time by
      which it follows the first input, s. */
   int two;
   uint8_t other;
   double other_slew, other_after;
-  /* Destination of the results. */
+  /* Destination of the results: arc, grid point or point of size changes, and
+     the changed size (SIZE_MAX: none). Used by measure.c and pairs.c. */
   eda_timing_arc *arc;
   size_t point, size;
 } copy;
@@ -102,13 +109,14 @@ typedef struct copy {
    CHANGES: delays known; JUDGE: most accurate, for verification. */
 typedef enum care { PILOT, GRID, CHANGES, JUDGE } care;
 
-/* Copies that share a slew, a direction of the input and a simulation. */
+/* A simulation of copies whose input has the same slew and direction. */
 typedef struct deck {
   study *s;
   double slew;
-  int rises;
+  int rises; /* 1 if the input rises */
   care care;
-  double early; /* time by which other inputs change earlier, s */
+  double early; /* delay of the main input, s, so that the ramps of second
+                   inputs that change earlier begin after time 0 */
   size_t count, capacity;
   copy *copy;
   int code;
@@ -123,10 +131,13 @@ void decks_clear(deck *decks, size_t *count);
 
 /* ---- measure.c ---- */
 
+/* Simulate the arcs of a cell, their derivatives with respect to sizes, and the
+   pin capacitances. Stores the values in c->figure. */
 int cell_measure(study *s, eda_timing_cell *c, opc_error *error);
 
-/* Errors of the tables at random points with changed sizes: delay and slew, %
-   of the value. */
+/* Errors of the tables at random points with changed sizes. delay, slew: % of
+   the simulated value; change: error of the delay change by the sizes, in % of
+   the delay as drawn. */
 typedef struct verdict {
   size_t points;
   double delay_rms, delay_max, slew_rms, slew_max, change_rms;
@@ -146,8 +157,10 @@ int pairs_find(study *s, eda_timing_cell *c, const char *key, opc_error *error);
 /* Return the key of a cell (caller frees): a hash of all data that determine
    its values. Returns NULL and sets `error` on failure. */
 char *keep_key(const study *s, const eda_timing_cell *c, opc_error *error);
-/* Read the values stored with a key. Return 1 if they were in the store. */
+/* Read the values stored with a key. Return 1 if the store has `figures`
+   values. */
 int keep_load(const study *s, const char *key, double *figure, size_t figures);
+/* Store values with a key, if the host keeps results. */
 void keep_save(const study *s, const char *key, const double *figure,
                size_t figures);
 

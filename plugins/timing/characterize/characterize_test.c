@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Compares own cells with hand-written decks: logic, delays, sensitivities to
-   sizes, pin capacitances. Also tests stored cells. */
+/* Compares characterized cells with hand-written decks: logic, delays,
+   derivatives with respect to sizes, pin capacitances. Also tests the reuse of
+   stored results. */
 #include <eda/simulator.h>
 #include <eda/timing.h>
 #include <glib/gstdio.h>
@@ -59,7 +60,8 @@ static eda_timing *run_well(const char *file, const char *more) {
 /* A small grid, because each point is simulated. */
 #define GRID "slews: [5 ps, 15 ps, 40 ps], loads: [1 fF, 3 fF, 9 fF]"
 
-/* Set the store to a folder `name` in the test's folder; "": no store. */
+/* Set the store to the folder `name` in the test's folder; without a name,
+   results are not stored. */
 static void keep_in(const char *name) {
   g_autofree char *path = g_build_filename(opc_test_folder(), name, NULL);
   g_setenv("OPCFLOW_STORE", *name ? path : "", TRUE);
@@ -137,8 +139,9 @@ static double last_crossing(const eda_spice_plot *p, const char *node,
 
 static const double supply = 1.1;
 
-/* Simulate a circuit with supply s, input b (a rising ramp of the library's
-   shape) and output y, which falls. Returns delay and slew. */
+/* Simulate a circuit with the supply node s, the input node b and the output
+   node y. The input is a rising ramp with the shape of the library; the output
+   falls. Return the delay and the slew of the output. */
 static void by_hand(const char *devices, double slew, double *delay,
                     double *out) {
   g_autofree char *card = data("devices/opcflow65.pm");
@@ -180,7 +183,8 @@ static void nand_by_hand(double w, double slew, const char *load, double *delay,
   by_hand(devices, slew, delay, out);
 }
 
-/* Return the derivative of a delay by a size of a transistor. */
+/* Return the derivative of the delay with respect to ln of a transistor size.
+ */
 static double moved_by(const eda_timing_cell *c, const eda_timing_arc *a,
                        const char *device, size_t size) {
   for (size_t i = 0; i < c->devices; i++)
@@ -319,7 +323,7 @@ static const char fingers[] =
     ".ends\n.subckt one A B Z VDD VSS\n"
     "M1 Z B x VSS nmos w=300n l=65n\nM2 x A VSS VSS nmos w=300n l=65n\n"
     "M3 Z A VDD VDD pmos w=350n l=65n\nM4 Z B VDD VDD pmos w=350n l=65n\n"
-    /* One stack differs: no two transistors are equivalent. */
+    /* The stacks differ, so no two transistors are equivalent. */
     ".ends\n.subckt odd A B Z VDD VSS\n"
     "M1 Z B x VSS nmos w=300n l=65n\nM2 x A VSS VSS nmos w=300n l=65n\n"
     "M3 Z B y VSS nmos w=300n l=65n\nM4 y A VSS VSS nmos w=310n l=65n\n"

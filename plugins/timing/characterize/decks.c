@@ -16,33 +16,36 @@ enum { TRIES = 7 };
 
 static const double start = 2e-12; /* start of the input ramps, s */
 
-/* Relative height above which an output has switched. */
+/* Fraction of its voltage swing that an output must have reached at the end of
+   a run; otherwise a longer run follows. */
 static const double arrived = 0.97;
 
-/* Duration of a run with unknown outputs: pilot_ramps input ramps, plus
-   pilot_rest (s), plus pilot_load (s/F) times the load. A channel 1 um wide
-   needs some ps for each fF. pilot_steps: least number of steps, also for pins.
- */
+/* A run whose delays are unknown lasts pilot_ramps times the duration of the
+   input ramp, plus pilot_rest (s), plus pilot_load (s/F) times the load. A
+   channel 1 um wide needs some ps for each fF. pilot_steps is the least number
+   of time steps of this run and of runs that measure pins. */
 static const double pilot_ramps = 2.8, pilot_rest = 30e-12, pilot_load = 8e3,
                     pilot_steps = 50;
 
-/* End of a run that measures a pin, relative to the end of the slew. */
+/* End of a run that measures a pin, relative to the time at which the input
+   reaches the upper slew level. */
 static const double pin_rest = 1.05;
 
 /* Step reduction for a retry after the simulator finds no valid time step. */
 static const double shorter = 0.7;
 
-/* Least number of steps in the slew of the fastest output. Errors of AOI21 at
-   22 ps with 18 changes, against a run of 1,400 steps. With 4 steps per slew,
-   the largest errors are 0.05 % of delays, 0.13 % of slews and 0.004 % of the
-   delay for delay changes of 1 %; with 2 steps 0.11, 0.23 and 0.005 %; with 8
-   steps 0.01, 0.04 and 0.001 %. */
+/* Least number of time steps within the slew of the fastest output. The errors
+   were measured against a run of 1,400 steps, for AOI21 with an input slew of
+   22 ps and 18 size changes. With 4 steps, the largest errors are 0.05 % of a
+   delay, 0.13 % of a slew, and 0.004 % of the delay for the change of a delay
+   by 1 %. With 2 steps the errors are 0.11, 0.23 and 0.005 %, with 8 steps
+   0.01, 0.04 and 0.001 %. */
 static const double steps[] = {
     [PILOT] = 0, [GRID] = 5, [CHANGES] = 4, [JUDGE] = 25};
 
-/* End of a run after the middle of the output transition, in slews. With 5, an
-   output 1.5 times as slow as expected has settled. CHANGES needs only two
-   steps after the end of the known slew. */
+/* Time from the middle of the output transition to the end of a run, in slews
+   of the output. With 5, an output 1.5 times as slow as estimated has settled.
+   In CHANGES the slews are known, and the run ends two steps after them. */
 static const double settled[] = {
     [PILOT] = 0, [GRID] = 5, [CHANGES] = 1.5, [JUDGE] = 5};
 
@@ -194,7 +197,8 @@ static const double *vector_of(const eda_spice_plot *plot, const char *format,
   return v && v->count == n ? v->value : NULL;
 }
 
-/* Measure the last edge of an output. Returns 1 if an edge exists. */
+/* Measure the last edge of an output. Return 0 if the output should change but
+   has no complete edge. */
 static int measure_output(const deck *d, copy *c, const double *t,
                           const double *v, size_t n) {
   const eda_timing *of = d->s->timing;
@@ -217,8 +221,9 @@ static int measure_output(const deck *d, copy *c, const double *t,
   return there;
 }
 
-/* Return the charge that flows between two levels of the input, divided by
-   their difference. */
+/* Return the capacitance of an input, F. The input voltage changes between the
+   fractions `from` and `to` of the swing; the charge that flows into the input
+   is divided by the voltage difference. */
 static double charge(const deck *d, const double *t, const double *i, size_t n,
                      double from, double to) {
   double whole = eda_timing_ramp_time(d->s->timing, d->slew, d->rises), sum = 0,

@@ -33,7 +33,8 @@ static int hash_cards(GChecksum *sum, const study *s, opc_error *error) {
     g_autoptr(GError) fault = NULL;
     gsize n;
     hash_text(sum, s->model[i]);
-    /* The card contains included files. Without DLC, no card is read. */
+    /* The parsed card also covers files that it includes. Cards are parsed only
+       if `dlc` is set. */
     for (size_t k = 0; s->dlc && k < s->card[i].count; k++) {
       hash_text(sum, s->card[i].key[k]);
       hash_text(sum, s->card[i].value[k]);
@@ -52,9 +53,9 @@ static void hash_colour(GChecksum *sum, uint64_t colour) {
   hash_text(sum, text);
 }
 
-/* Cells that consist of the same circuit in parallel have the same key,
-   regardless of names and order of transistors. The colour of a part encodes
-   the position in the circuit. */
+/* Cells that consist of different numbers of the same circuit in parallel have
+   the same key, independent of the names and the order of transistors. The
+   colour of a part encodes the connections of the part. */
 char *keep_key(const study *s, const eda_timing_cell *c, opc_error *error) {
   g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
   const circuit *r = circuit_of(s, c);

@@ -13,12 +13,13 @@ enum {
                  steps, but take longer */
   FEW = 12,   /* a run with fewer copies also includes copies of the next load;
                  starting a run takes 20 ms */
-  POINTS = 3, /* points of the grid with size changes */
-  SIDES = 4   /* patterns of the other inputs for size changes of a pin */
+  POINTS = 3, /* grid points at which sizes are changed */
+  SIDES = 4   /* largest number of patterns of the other inputs at which size
+                 changes of a pin are simulated */
 };
 
-/* Relative size change. Derivatives from a 1 % secant have errors of about 1 %;
-   discretization noise is far less. */
+/* Relative size change of the difference quotients. Derivatives from changes of
+   1 % have errors of about 1 %; the discretization noise is far smaller. */
 static const double nudge = 0.01;
 
 static const size_t none = SIZE_MAX;
@@ -31,7 +32,8 @@ typedef struct plan {
   const circuit *circuit;
   size_t count, capacity;
   deck *deck;
-  double *unit; /* single-size changes: [k * n + k] is the nudge */
+  double *unit; /* n x n matrix; row k is a copy.change with only size k
+                   changed, by `nudge` */
 } plan;
 
 static copy *last_copy(const plan *p) {
@@ -39,8 +41,8 @@ static copy *last_copy(const plan *p) {
   return &d->copy[d->count - 1];
 }
 
-/* Return a deck with capacity for `need` copies that have the same slew,
-   direction and accuracy as `c`. */
+/* Return the last deck if it has the given slew and accuracy and the direction
+   of `c`, and takes `need` more copies; otherwise a new deck. */
 static deck *deck_for(plan *p, double slew, care with, const copy *c,
                       size_t need) {
   int rises = !(c->from >> c->input & 1);
@@ -66,7 +68,8 @@ static const double *unit_of(const plan *p, size_t k) {
   return p->unit + k * changes_of(p);
 }
 
-/* Return 1 if size k has an effect: without DLC the third size has none. */
+/* Return 1 if size k has an effect. The length for the capacitance has none
+   without DLC. */
 static int is_size(const plan *p, size_t k) {
   return p->s->dlc || k % EDA_SIZES != EDA_SIZE_C;
 }
@@ -196,12 +199,12 @@ static int is_on(const plan *p, size_t bundle, size_t input) {
   return p->circuit->part[bundle].gate == p->cell->port[input];
 }
 
-/* Return the number of patterns of the other inputs; sides_of: the number of
-   these with size changes of a pin. */
+/* Return the number of patterns of the other inputs of a pin. */
 static size_t patterns_of(const eda_timing_cell *c) {
   return (size_t)1 << (c->inputs - 1);
 }
 
+/* Return the number of these patterns at which sizes are changed. */
 static size_t sides_of(const eda_timing_cell *c) {
   return patterns_of(c) > SIDES ? SIDES : patterns_of(c);
 }
@@ -299,8 +302,8 @@ int cell_measure(study *s, eda_timing_cell *c, opc_error *error) {
 
 /* ---- the linear model against the simulator ---- */
 
-/* Largest random size change: slightly more than the masks of the thesis's
-   methods print. */
+/* Largest random size change, slightly more than the size deviations after a
+   correction by the methods of the thesis. */
 static const double spread = 0.03;
 
 static size_t random_below(uint64_t *state, size_t n) {
@@ -328,8 +331,8 @@ static void at_point(const deck *d, const copy *k, double *delay,
   *slew = eda_timing_cubic_at(c->at_slew, cubic, c->slews, d->slew);
 }
 
-/* Add a random point between those of the grid, as drawn and with all sizes
-   changed. */
+/* Make a deck with two copies of a random arc at a random slew and load, one as
+   drawn and one with all sizes changed. */
 static void plan_check(study *s, uint64_t *seed, deck *d) {
   const eda_timing *t = s->timing;
   const eda_timing_cell *c;

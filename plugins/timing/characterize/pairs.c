@@ -20,8 +20,10 @@ enum {
 
 /* ---- list of pairs ---- */
 
-/* Return 1 if the change of two inputs from the pattern `from` switches the
-   output with the truth table `level`, and each alone has the same effect. */
+/* Return 1 if two inputs that change from the pattern `from` are a pair for the
+   output with the truth table `level`. Both together switch the output. Each of
+   them alone also does (*parallel = 1), or none of them alone does (*parallel =
+   0, in series). */
 static int is_pair(const uint8_t *level, uint32_t from, size_t first,
                    size_t second, int *parallel) {
   uint32_t a = from ^ 1u << first, b = from ^ 1u << second,
@@ -30,8 +32,8 @@ static int is_pair(const uint8_t *level, uint32_t from, size_t first,
   return level[a] == level[b] && level[both] != level[from];
 }
 
-/* Return the index of a pair that differs from `p` only in constant inputs; -1:
-   none. */
+/* Return the index of a listed pair that differs from `p` only in constant
+   inputs, or -1 if there is none. */
 static int32_t find_like(const eda_timing_cell *c, const eda_timing_pair *p) {
   uint32_t mask = 1u << p->first | 1u << p->second;
   for (size_t i = c->pairs; i-- > 0;) {
@@ -130,7 +132,9 @@ static deck *deck_for(work *w, double slew, int rises) {
   return &w->deck[k];
 }
 
-/* Point of a pair: slews, gap, and the simulated copy of the cell. */
+/* A simulated point of a pair. slew: slew numbers of both inputs (see slew_of);
+   place: number of the combination of slews, 0 to 4; gap: number of the gap;
+   deck, copy: indices of the simulated copy of the cell. */
 typedef struct point {
   const eda_timing_pair *pair;
   size_t slew[2], place, gap, deck, copy;

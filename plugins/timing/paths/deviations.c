@@ -21,8 +21,8 @@ enum {
 
 typedef struct block {
   size_t count, capacity;
-  arrival *arrival; /* arrival of each delay and set of sizes, [delay * states +
-                       state] */
+  arrival *arrival; /* final transition for each delay of the block and each set
+                       of sizes, [delay * states + state] */
 } block;
 
 typedef struct work {
@@ -169,8 +169,7 @@ static row row_of(const paths *p, const delays *d, size_t s, double drawn) {
 
 static int metrics_report(paths *p, const delays *d, const row *r, size_t n,
                           opc_error *error) {
-  /* The set of `mask` if present, otherwise the first other set of printed
-     sizes. */
+  /* The first set of printed sizes, which is that of `mask` if given. */
   const row *first = n > 1 && r[1].by.compared ? &r[1] : NULL;
 #define PRINTED(name) (first ? (name) : NULL)
   const opc_metric_value values[] = {
@@ -256,15 +255,15 @@ typedef struct histogram {
   double from, to, share;
 } histogram;
 
-/* Range of the histogram: at each end, at most one value in OUTLIERS is beyond
-   the range. Margin at each end: a fraction of the range, and a minimum in
-   percentage points. */
+/* Range of the histogram. At each end, at most one in OUTLIERS values of a set
+   is beyond the range. The margin at each end is the fraction `beside` of the
+   range, at least `least_beside` percentage points. */
 enum { OUTLIERS = 100 };
 static const double beside = 0.02, least_beside = 1e-3;
 
-/* Compute the common range of the histograms of all sets of sizes, without
-   outliers. Otherwise a few extreme values would flatten the histograms. The
-   first and last bin count the outliers. */
+/* Compute the common range of the histograms of all sets of sizes. Outliers are
+   counted in the first and the last bin, because a range with all values would
+   make the other bins too wide. */
 static void find_range(const delays *d, size_t states, double *low,
                        double *high) {
   double *x = eda_alloc(d->count, sizeof *x);

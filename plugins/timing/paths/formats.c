@@ -192,9 +192,9 @@ static void put_bits(FILE *out, const uint8_t *bit, size_t n) {
   fputs(";\n", out);
 }
 
-/* Time between transitions of the test bench: least_wait (ps), or `waits` times
-   the latest static arrival if longer. Glitches may end after the static
-   arrival, but within this time. */
+/* Time between transitions of the test bench: `waits` times the latest static
+   arrival, at least least_wait (ps). Glitches may end after the latest static
+   arrival, but end within this time. */
 static const double least_wait = 1000, waits = 4;
 
 /* Write the bench, which prints "PATTERN,OUTPUT,LEVEL,TIME" for each event of

@@ -12,8 +12,8 @@
 enum { BY_SLEWS, ONE_AN_ARC };
 enum { SINGLE, SEVERAL };
 
-/* Transition of a net. The transitions of a net alternate, starting from
-   `level`. */
+/* Transition of a net. The transitions of a net alternate between both levels,
+   starting from waves.level. */
 typedef struct event {
   double time, slew; /* time and slew, ps */
   uint64_t path;     /* hash of the nets on the path of the event */
@@ -47,6 +47,10 @@ typedef struct paths {
 } paths;
 
 /* ---- sizes.c ---- */
+
+/* Set p->state: the drawn sizes, then the printed sizes of `mask`, of the
+   methods of `experiment`, and of the tables `prints`. The tables of the states
+   are not computed. */
 int states_find(paths *p, opc_error *error);
 
 /* ---- patterns.c ---- */
@@ -54,12 +58,13 @@ int states_find(paths *p, opc_error *error);
 /* Set the input levels before and after pattern `index`, one byte per input.
    [any] */
 void pattern_at(const paths *p, size_t index, uint8_t *before, uint8_t *after);
+/* Set p->patterns, the number of patterns, and p->all. */
 void patterns_count(paths *p);
 
 /* ---- waves.c: events ---- */
 
-/* Change of a node's logic value with one delay per arc. `at`: time of the
-   change; `fires`: time at which the output takes the value. */
+/* With one delay per arc: change of the value of a node's logic function at the
+   time `at`, which causes an output event at the time `fires`. Times in fs. */
 typedef struct flip {
   double at, fires;
   uint8_t value;
@@ -69,7 +74,8 @@ typedef struct waves {
   const paths *p;
   size_t count, capacity;
   event *event;
-  uint32_t *first, *last; /* events of each net */
+  uint32_t *first, *last; /* events of net n: event[first[n]] ..
+                             event[last[n] - 1] */
   uint8_t *level;         /* level of each net before the pattern */
   uint8_t *before, *after;
   size_t capacity_changes;
@@ -94,20 +100,24 @@ typedef struct merge {
 
 /* Start a traversal. Return 1 if any input changes. */
 int merge_init(merge *m, const waves *w, const node *n);
-/* Return the input that changes next, the first one of simultaneous changes;
-   -1: none. */
+/* Return the input that changes next and set *time to the time of the change.
+   If several change at once, return the input with the smallest number. Return
+   -1 if no input changes any more. */
 int merge_next(const merge *m, double *time);
 /* Return the hash of a path extended by a net (FNV-1a over the net numbers). */
 uint64_t path_on(uint64_t path, uint32_t net);
+/* Append an event to the events of the net that is being evaluated. */
 void waves_push(waves *w, double time, double slew, uint64_t path);
 
 /* ---- slews.c: the events of a node, by slews ---- */
+
+/* Append the events of the net that the node drives (delays: slews). */
 void waves_by_slews(waves *w, const node *n, const state *s);
 
 /* Final transition of an output after a pattern. */
 typedef struct arrival {
-  double time;   /* ps, last transition; NAN: the final level equals the initial
-                    level */
+  double time; /* time of the last transition, ps; NAN if the final level equals
+                  the initial level */
   uint64_t path; /* path hash of that transition; 0 with one delay per arc */
 } arrival;
 arrival waves_arrival(const waves *w, size_t output);
@@ -123,10 +133,10 @@ typedef struct delays {
 int delays_find(paths *p, delays *out, opc_error *error);
 void delays_clear(delays *d, size_t states);
 
-/* Deviations of the delays of state s from drawn, % (thesis eq. 3.15). Delays
-   whose last event takes another path than at drawn sizes are not compared.
-   Causes: a pulse passes in only one state, or a different input arrives
-   last. */
+/* Deviations of the delays of a state from the delays at drawn sizes, % (thesis
+   eq. 3.15). Delays whose last event takes another path than at drawn sizes are
+   not compared. The paths differ if a pulse passes in only one of the states,
+   or if a different input arrives last. */
 typedef struct spread {
   size_t compared;
   double mean, stdv, lowest, highest; /* mean and stdv of absolute values */
@@ -144,4 +154,7 @@ int write_verilog(const paths *p, const char *path, opc_error *error);
 int events_report(const paths *p, opc_error *error);
 
 /* ---- reference.c ---- */
+
+/* Simulate the first p->spice transitions with the whole circuit in ngspice and
+   report the differences as a table and metrics. */
 int compare_with_spice(paths *p, opc_error *error);

@@ -17,7 +17,8 @@ static const eda_timing_arc *arc(const eda_timing *t, size_t cell,
   return &c->arc[c->arc_of[(input << c->inputs) + from]];
 }
 
-/* Add the delay of one more cell to at[0] and replace the slew at[1]. */
+/* Add the delay of a further cell to at[0], and set at[1] to its output slew.
+ */
 static void delay_step(const eda_timing *t, size_t cell, uint32_t input,
                        uint32_t from, double load, double at[2]) {
   const eda_timing_arc *a = arc(t, cell, input, from);
@@ -58,9 +59,9 @@ static void test_chain(void) {
   eda_timing_free(t);
 }
 
-/* The NAND of an input and its inverse, which is 1 at rest. After a rising
-   input, both NAND inputs are 1 during the delay of the inverter. A slower gate
-   suppresses the resulting pulse. */
+/* Test the NAND of an input and the inverted input; the output is 1 in both
+   static states. After the input rises, both NAND inputs are 1 during the delay
+   of the inverter. A slower NAND suppresses the resulting pulse. */
 static void test_pulse(void) {
   opc_error error;
   static const char *const more[] = {
@@ -166,10 +167,10 @@ static void test_printed(void) {
   eda_timing_free(t);
 }
 
-/* Paths that differ from the paths at drawn sizes. z is the NAND of m and n,
-   both inverted a. n has more load, so m changes first. XU1 drives m; if XU1
-   prints long enough, m changes last. Each change of z then has another path,
-   which is reported and not compared. */
+/* Test paths that differ from the paths at drawn sizes. z is the NAND of m and
+   n, which are both the inverted a. n has more load, so m changes first. XU1
+   drives m. If XU1 prints long enough, m changes last. Each change of z then
+   has another path than at drawn sizes and is counted in `others`. */
 static void test_others(void) {
   opc_error error;
   eda_circuit circuit;
@@ -204,11 +205,10 @@ static void test_others(void) {
   }
 }
 
-/* A NAND whose inputs arrive through one and through two inverters. Falling
-   output: the first input is the cause, the second input accelerates the
-   output. Rising output: the first input delays the output beyond the delay of
-   the second input alone. The factors of the pair are constant, so that only
-   the blend has an effect. */
+/* Test a NAND whose inputs change at the same time, followed by an inverter.
+   The inputs are in series if they rise, and in parallel if they fall. The
+   factors of the pairs are constant. Delay and slew then equal the factor times
+   the mean of the values of both inputs alone. */
 static void test_together(void) {
   opc_error error;
   eda_timing *t = library();

@@ -5,8 +5,8 @@
 
 #include "paths.h"
 
-/* Number of inputs from which the count of all transitions is not computed (64
-   bits overflow). */
+/* Circuits with at least this number of inputs have random transitions, because
+   the number of all transitions might not fit into 64 bits. */
 enum { COUNTED = 20 };
 
 /* The number of all transitions is m 2^m with one changing input and 4^m - 2^m

@@ -11,7 +11,10 @@
 
 #include "paths.h"
 
-enum { SIZES = 2, TRIES = 3 }; /* drawn sizes, sizes printed by the mask */
+enum {
+  SIZES = 2, /* drawn sizes, sizes printed by the mask */
+  TRIES = 3  /* largest number of runs of a transition */
+};
 
 static const double step = 0.5e-12; /* largest time step, s; delays are then
                                        accurate to 0.1 % */
@@ -39,13 +42,14 @@ typedef struct reference {
    supply. */
 static const double settled = 0.025;
 
-/* Start of the input ramps, s, and duration of a run after the latest arrival
-   of the event simulation. `late`: factor on that arrival, which has an error
-   of some percent. `rest`: settling time of a slow output, s. A run in which an
-   output does not settle is repeated with twice the duration. */
+/* start: time of the earliest start of the input ramps, s. A run lasts until
+   `late` times the latest arrival of the event simulation (which has an error
+   of some percent) plus the settling time `rest` of a slow output, s. A run in
+   which an output does not settle is repeated with twice the duration. */
 static const double start = 2e-12, late = 1.2, rest = 60e-12;
 
-/* Duration of the input ramps, in units of the full linear ramp. */
+/* Duration of the input ramps with their exponential ends, relative to the
+   duration of a linear ramp (eda_timing_ramp_time). */
 static const double ramps = 3;
 
 /* Return the time at which inputs cross the middle, s. The ramp begins at most

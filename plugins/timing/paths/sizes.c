@@ -11,7 +11,7 @@
 
 /* Printed sizes of the gates, nm; area nm^2. */
 typedef struct printed {
-  double *leq, *weq, *area; /* NAN: not given */
+  double *leq, *weq, *area; /* 0 or NAN if the gate does not print */
 } printed;
 
 static const char *gate_where(const eda_gates *g, size_t i) {
@@ -20,8 +20,9 @@ static const char *gate_where(const eda_gates *g, size_t i) {
 
 /* ---- from the gates to the instances ---- */
 
-/* Compute the size change of a device: the mean of the lengths of its fingers,
-   weighted by width, and the sum of their widths. */
+/* Compute the ln of the ratios of printed to drawn sizes of a device. Its
+   length is the mean of the logarithms of its fingers' lengths, weighted by
+   width; its width is the sum of the widths. */
 static int change_of(const paths *p, const eda_device *d, const printed *q,
                      double change[EDA_SIZES], opc_error *error) {
   const eda_gates *g = p->circuit->gates;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Computes the output events of a node from input events with slews. The delay
-   is that of the input that causes the output transition, at the load of this
-   time. Other inputs that change nearly simultaneously modify the delay. Pulses
-   shorter than the delay are suppressed (inertial delay). Times in ps. */
+   is that of the arc from the input that causes the output transition, at the
+   load of the net at the time of the transition. Other inputs that change
+   nearly simultaneously modify the delay. Pulses shorter than the delay are
+   suppressed (inertial delay). Times in ps. */
 #include <math.h>
 
 #include "paths.h"
@@ -14,9 +15,10 @@ typedef struct both {
   double delay, slew;
 } both;
 
-/* Effect of other inputs on the delay and slew of a cause. Inputs that must
-   change before the cause add like series resistances; inputs that assist the
-   cause add like parallel conductances. */
+/* Sums of the relative effects of other inputs on the delay and slew that the
+   cause (the input that switches the output) produces alone. The effects of
+   inputs in series with the cause add like resistances; the effects of inputs
+   in parallel add like conductances (with_others). */
 typedef struct sums {
   both series, parallel;
 } sums;
@@ -29,9 +31,10 @@ typedef struct gate {
   merge m;
   uint32_t seen;                 /* inputs that have changed */
   event last[EDA_TIMING_INPUTS]; /* last change of each input */
-  /* Pending transition of the output: causing input (-1: none) and its event,
-     input levels before, load, delay and slew without other inputs, effect of
-     other inputs. */
+  /* Pending transition of the output: number of the causing input (-1 if no
+     transition is pending) and the event of this input; input levels before the
+     event; load (see load_at in graph.h); delay and slew without the effect of
+     other inputs; effect of other inputs. */
   int cause;
   event by;
   uint32_t from;
@@ -81,10 +84,12 @@ static void find_load(gate *g, int rises, double time) {
 
 /* ---- two inputs ---- */
 
-/* Return the factors by which an input that changes `gap` earlier or later
-   multiplies the delay and slew of the cause. alone: values of the cause;
-   other: values of the other input. p: pair of both inputs; NULL if the other
-   input only changes the current path. */
+/* Return the factors by which another input multiplies the delay and slew of
+   the cause. `alone`: delay and slew that the cause produces alone; `other`:
+   those of the other input. `gap`: time between both inputs, in delays;
+   `first`, `second`: slews of the inputs of the pair, each divided by the delay
+   of that input. p is NULL if the other input only changes the path of the
+   current. */
 static both blend_factors(both alone, both other, const eda_timing_pair *p,
                           double gap, double first, double second) {
   both f = {1, 1};
@@ -102,8 +107,9 @@ static const eda_timing_pair *find_pair(const gate *g, size_t first,
   return k < 0 ? NULL : &c->pair[k];
 }
 
-/* An earlier input without a pair has an effect up to a gap of 1 / fades of the
-   delay. The value was fitted to simulations. */
+/* An input that changes before the cause and forms no pair with it has an
+   effect if the gap is less than 1 / fades of the delay. The value was fitted
+   to simulations. */
 static const double fades = 3;
 
 /* Add the effect of an input that changed before the cause. */
@@ -112,7 +118,8 @@ static void add_earlier(gate *g, size_t k) {
   uint32_t from = g->from ^ 1u << k, cause = 1u << g->cause;
   double gap = (g->by.time - e->time) / g->alone.delay;
   if (level_of(g, from) != level_of(g, g->from))
-    return; /* input k alone would have switched the output: it has no effect */
+    return; /* input k is not in series with the cause: alone, it would switch
+               the output */
   if (!(g->alone.delay > 0)) return;
   const eda_timing_pair *p = find_pair(g, k, (size_t)g->cause, from);
   both other, f;

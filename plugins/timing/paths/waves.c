@@ -40,7 +40,6 @@ void waves_push(waves *w, double time, double slew, uint64_t path) {
 
 /* ---- the inputs of a node, in the order of time ---- */
 
-/* Return 1 if any input changes. */
 int merge_init(merge *m, const waves *w, const node *n) {
   int some = 0;
   m->w = w;
@@ -56,8 +55,6 @@ int merge_init(merge *m, const waves *w, const node *n) {
   return some;
 }
 
-/* Return the input that changes next, the first one of simultaneous changes;
-   -1: none. */
 int merge_next(const merge *m, double *time) {
   int found = -1;
   *time = INFINITY;
@@ -71,10 +68,11 @@ int merge_next(const merge *m, double *time) {
 
 /* ---- one delay per arc ---- */
 
-/* Compute events as the module paths of vvp (delay.cc, vvp_fun_modpath).
-   Simultaneous input changes have the smallest of their delays. Each change of
-   the logic function schedules an output event. At this event, the output takes
-   the value that the logic function had just before. */
+/* Compute the events with the rules of module paths in vvp, the simulator of
+   Icarus Verilog (delay.cc, vvp_fun_modpath). Simultaneous input changes have
+   the smallest of their delays. Each change of the logic function schedules an
+   output event. At this event, the output takes the value that the logic
+   function had just before the event. */
 static void by_arcs(waves *w, const node *n, const state *s) {
   const eda_timing_cell *c = n->cell;
   const uint8_t *level = c->level + ((size_t)n->output << c->inputs);

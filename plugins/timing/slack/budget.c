@@ -147,8 +147,8 @@ double *budget_slack(const budget *b) {
 
 /* ---- gains on a path ---- */
 
-/* Return the difference of two delays at a slew (ps), from their rows over the
-   slews of the grid, in ps. */
+/* Return the difference a - b of two delays at the input slew `slew`, ps. a and
+   b are the delays at the slews of the grid, s. */
 static double delay_difference(const eda_timing_cell *c, const double *a,
                                const double *b, double slew) {
   double row[EDA_TIMING_GRID], coefficient[EDA_TIMING_POWERS * EDA_TIMING_GRID];
@@ -254,14 +254,15 @@ static void find_gain(const budget *b, const arrivals *a, double *gain) {
 
 /* ---- the search ---- */
 
-/* Return the delay reduction of lowering a choice by one level, ps. */
+/* Return the delay reduction if a choice is lowered by one level, ps. `gain` is
+   the derivative of the delay with respect to ln(length). */
 static double step_down(const choice *c, double gain) {
   return gain * (c->length[c->level] - c->length[c->level - 1]);
 }
 
-/* Return the choice with the largest delay reduction per added leakage; NULL:
-   none. After a choice is lowered, its gain is set to 0 until the next
-   evaluation of the gains. */
+/* Return the choice with the largest delay reduction per added leakage if it is
+   lowered by one level, or NULL if no lower level reduces the delay. speed_up
+   sets the gain of a lowered choice to 0 until the gains are computed again. */
 static choice *best_down(const budget *b, const double *gain) {
   choice *best = NULL;
   double most = 0;
@@ -276,9 +277,10 @@ static choice *best_down(const budget *b, const double *gain) {
   return best;
 }
 
-/* Lower choices on the latest path until the estimated reduction reaches half
-   of the excess; then another path may be the latest. Returns 0 if no choice
-   can be lowered. */
+/* Lower choices on the latest path until the estimated reduction of its delay
+   is half of the excess over the limit. The caller then evaluates all paths
+   again, because another path may be the latest. Return 0 if no choice can be
+   lowered. */
 static int speed_up(budget *b, double *gain) {
   eda_pool pool = {0};
   arrivals a = static_arrivals(b->g, &b->sizes, b->at.slew, &pool);
@@ -298,9 +300,9 @@ static int speed_up(budget *b, double *gain) {
   return any;
 }
 
-/* Lower all choices by one level. Used if no choice on the latest path has a
-   gain, because the slew of another input determines the delay. Returns 0 if
-   all choices have the drawn length. */
+/* Lower all choices by one level. This is necessary if no choice on the latest
+   path has a gain: the delay then depends on the slew of an input that is not
+   on the path. Return 0 if all choices have the drawn length. */
 static int all_down(budget *b) {
   int any = 0;
   for (size_t i = 0; i < b->count; i++) {
@@ -319,6 +321,7 @@ typedef struct turn {
 
 EDA_COMPARE_FALLING(by_saving, turn, saves, of);
 
+/* Return 1 if the slack of a net that the instance drives is positive. */
 static int has_slack(const budget *b, const choice *c, const double *slack) {
   for (uint32_t i = b->node_of[c->instance]; i < b->node_of[c->instance + 1];
        i++) {

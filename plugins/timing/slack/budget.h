@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Assignment of slack to transistors: increases gate lengths to reduce leakage
-   while no path exceeds a limit. */
+/* Search for gate lengths: increases the lengths to reduce leakage while no
+   path exceeds a limit. */
 #pragma once
 
 #include "../graph.h"
@@ -9,10 +9,12 @@
    one step is less than 1 nm, below the grid of the mask. */
 enum { LEVELS = 10 };
 
-/* Parallel transistors of a cell, which share one length. */
+/* The transistors of a bundle of an instance, which share one length. A bundle
+   contains equivalent transistors of a cell (eda/timing.h). */
 typedef struct choice {
   uint32_t instance, bundle;
-  uint32_t level, most;      /* 0 to LEVELS; most is 0 if the length is fixed */
+  uint32_t level, most;      /* current and largest level, 0 (drawn length) to
+                                LEVELS; most is 0 if the length is fixed */
   double length[LEVELS + 1]; /* ln(length / drawn length) at each level */
   double leak[LEVELS + 1];   /* leakage at each level, A, mean over the input
                                 patterns of the circuit */
@@ -34,7 +36,7 @@ typedef struct budget {
   /* The members below are the state of a run, set by budget_init. */
   eda_pool pool;
   state sizes;
-  int64_t *driver;   /* node that drives each net; -1: none */
+  int64_t *driver;   /* node that drives each net, or -1 */
   uint32_t *pins_of; /* pins of net n begin at pin[pins_of[n]] */
   pin *pin;
   uint32_t *node_of; /* nodes of instance i begin at node[node_of[i]] */
@@ -49,8 +51,9 @@ void budget_clear(budget *b);
 /* Return the latest arrival at an output, ps. */
 double budget_worst(const budget *b);
 
-/* Return the slack of each net, ps, [net * 2 + rises] (caller frees). INFINITY:
-   the net reaches no output, or the transition does not occur. */
+/* Return the slack of each transition, ps, [net * 2 + rises] (caller frees).
+   The slack is INFINITY if no path leads from the net to an output, or if the
+   transition does not occur. */
 double *budget_slack(const budget *b);
 
 /* Return the total leakage, A, mean over the input patterns. */
@@ -65,6 +68,7 @@ int budget_spend(budget *b);
 
 /* ---- static_leakage.c ---- */
 
-/* Return, for each choice, the share of the static input patterns in which its
-   transistors leak (caller frees). Uses only `g`, `first` and `count`. */
+/* Return, for each choice, the leakage of its transistors relative to their
+   Ioff, averaged over the static input patterns and over the transistors of the
+   choice (caller frees). Uses only `g`, `first` and `count`. */
 double *static_leakage_shares(const budget *b);

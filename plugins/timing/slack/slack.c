@@ -29,8 +29,8 @@ typedef struct slack {
 } slack;
 
 static const size_t NO_CHOICE = SIZE_MAX;
-static const double NEVER = -1; /* value of the largest increase for a choice
-                                   whose length is fixed */
+static const double NEVER = -1; /* largest ln(length / drawn length) of a gate
+                                   whose length is fixed by a goal */
 
 /* State of a run. */
 typedef struct slack_task {
@@ -38,13 +38,15 @@ typedef struct slack_task {
   eda_pool pool;
   graph graph;
   budget budget;
-  size_t *of;             /* choice of each gate; NO_CHOICE: none */
+  size_t *of;             /* choice of each gate, or NO_CHOICE */
   double *drawn;          /* slack of each net at drawn sizes, ps */
   double worst, at_first; /* at drawn sizes: latest arrival, ps; leakage, A */
 } slack_task;
 
 /* ---- work: effect of a length ---- */
 
+/* Return the current of a gate whose length is multiplied by exp(by), A.
+   `which` is EDA_ION or EDA_IOFF. */
 static double gate_current(const slack *s, size_t gate, int which, double by) {
   const eda_gates *g = s->circuit->gates;
   eda_curves_width w = eda_curves_among(&s->curves, g->width[gate]);
@@ -53,7 +55,8 @@ static double gate_current(const slack *s, size_t gate, int which, double by) {
                                   g->length[gate] * exp(by), &w));
 }
 
-/* Return ln of the largest allowed length of a gate over its drawn length. */
+/* Return ln(largest allowed length / drawn length) of a gate: the length with
+   the Ion that the parameter `ion` allows, at most the longest of the table. */
 static double gate_longest(const slack *s, size_t gate) {
   const eda_gates *g = s->circuit->gates;
   eda_curves_width w = eda_curves_among(&s->curves, g->width[gate]);
@@ -160,7 +163,8 @@ static eda_goal goal_of(const slack_task *j, size_t gate) {
       .given = 1};
 }
 
-/* Return a copy of the gates with the new goals; shares all other arrays. */
+/* Return a copy of the gates with the new goals (caller frees). All other
+   arrays belong to the gates of the circuit. */
 static eda_gates *with_wishes(const slack_task *j) {
   const eda_gates *from = j->s->circuit->gates;
   eda_gates *g = eda_alloc(1, sizeof *g);
@@ -206,7 +210,8 @@ static int requests_report(const slack_task *j, opc_error *error) {
   return code;
 }
 
-/* Row of slack.csv: smallest slack of all nets that the instance drives. */
+/* Row of slack.csv: smallest slack (ps) of the nets that the instance drives,
+   and leakage of the instance (nA), as drawn and with the longer gates. */
 typedef struct row {
   const char *instance, *cell;
   double before, after, drawn, leak;

@@ -431,8 +431,8 @@ static eda_timing *with_nand(void) {
   return t;
 }
 
-/* A NAND with one inverter before the first input and two before the second.
-   The slack of the single inverter equals that of its later transition. */
+/* Test a NAND with one inverter before the first input and two before the
+   second. The slack of the single inverter is that of its later transition. */
 static void test_spare(void) {
   opc_error error;
   eda_timing *t = with_nand();
@@ -458,8 +458,8 @@ static void test_spare(void) {
   free(p);
 }
 
-/* The limit is also met if lengths change only slews; the search then finds no
-   gain on the path. */
+/* Test that the limit is met if lengths change only slews. The search then
+   finds no gain on the latest path and lowers all choices. */
 static void test_slews(void) {
   opc_error error;
   eda_timing *t = made_up();
@@ -489,12 +489,12 @@ static void test_slews(void) {
 
 /* ---- static leakage ---- */
 
-/* Leakage shares. z is the NAND of a and inverted a, always 1. Its two series
-   n-transistors leak alternately. The lower transistor leaks less, because the
-   upper transistor passes a degraded high level. In a NAND of two independent
-   inputs, each n-transistor leaks alone in a quarter of the patterns; both in
-   series are neglected. Both p-transistors leak in a quarter of the patterns.
-   The two transistors of the inverter leak alternately. */
+/* Test the leakage shares. z is the NAND of a and the inverted a, always 1. The
+   two n-transistors in series leak alternately. The lower transistor leaks
+   less, because the upper transistor passes a degraded high level. In a NAND of
+   two independent inputs, each n-transistor leaks alone in a quarter of the
+   patterns; both in series are neglected. Both p-transistors leak in a quarter
+   of the patterns. The two transistors of the inverter leak alternately. */
 static void test_rest(void) {
   static const double n = 200 * 1e-10, p = 300 * 0.5e-10;
   opc_error error;

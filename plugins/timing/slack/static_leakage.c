@@ -9,9 +9,9 @@
 
 #include "budget.h"
 
-/* Up to MOST_INPUTS inputs, all patterns are enumerated. Circuits with more
-   inputs use DRAWN random patterns. The standard error of a share is then at
-   most 0.8 percentage points. */
+/* For circuits of at most MOST_INPUTS inputs, all patterns are evaluated; for
+   other circuits, DRAWN random patterns, so that the standard error of a share
+   of the patterns is at most 0.8 percentage points. */
 enum { MOST_INPUTS = 12, DRAWN = 1 << MOST_INPUTS };
 
 /* ---- a cell ---- */
@@ -25,7 +25,8 @@ enum { LOW, HIGH, FLOATS };
    by -4 % and +7 %, and the saving by less than 1.5 percentage points. */
 static const double weakly = 0.4;
 
-/* Levels of the nets of a cell; weak: degraded by a threshold. */
+/* Level of each net of a cell; weak[net] is 1 if the level is degraded by a
+   threshold voltage. */
 typedef struct levels {
   uint8_t *of, *weak;
 } levels;
@@ -34,8 +35,9 @@ static int is_on(const eda_timing_device *d, const uint8_t *level) {
   return level[d->gate] == (d->type == EDA_NMOS ? HIGH : LOW);
 }
 
-/* Propagate a level through a conducting channel. Returns 1 if the level of
-   `to` is new. */
+/* Propagate the level of the net `from` through a conducting channel to the net
+   `to`, if `to` floats. Degraded levels are propagated only if weakly_too.
+   Return 1 if `to` has got a level. */
 static int level_propagate(const eda_timing_device *d, uint32_t from,
                            uint32_t to, int weakly_too, levels *v) {
   int weak = v->weak[from] || v->of[from] == (d->type == EDA_NMOS ? HIGH : LOW);
@@ -76,12 +78,15 @@ static double device_leakage(const eda_timing_device *d, const levels *v) {
 
 /* ---- the circuit ---- */
 
-/* Number of occurrences of each input pattern of an instance. */
+/* First node of an instance, and the number of occurrences of each input
+   pattern of this instance. */
 typedef struct tally {
   const node *node;
   uint32_t *times;
 } tally;
 
+/* Evaluate the circuit for the levels of its inputs in `level`, and count the
+   input pattern of each instance. */
 static void pattern_count(const graph *g, uint8_t *level,
                           const tally *tallies) {
   for (size_t i = 0; i < g->nodes; i++) {
@@ -94,6 +99,7 @@ static void pattern_count(const graph *g, uint8_t *level,
   }
 }
 
+/* Add the relative leakage of an instance's transistors to their choices. */
 static void add_shares(const budget *b, const tally *t, size_t patterns,
                        double *share) {
   const eda_timing_cell *c = t->node->cell;
