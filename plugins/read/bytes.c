@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the bytes of a file, which a reader sees through a window, and
-   gzip files (RFC 1952). These begin with the bytes 1f 8b; no layout begins
-   with these bytes. Compiled into each reader. */
+/* Reads a file through a window, a buffer with a part of the file. A gzip file
+   (RFC 1952) is decompressed into memory; such a file begins with the bytes 1f
+   8b, with which no layout format begins. Compiled into each reader. */
 #include <eda/memory.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -13,16 +13,17 @@
 
 #include "reader.h"
 
-/* Bytes of the window: a part of the cache of a processor core. */
+/* Size of the window, bytes. The window fits into the cache of a core. */
 enum { WINDOW = 1 << 19 };
 
 /* Largest file, 8 GiB: more than any layout that fits into memory. */
 #define MOST_BYTES ((size_t)1 << 33)
 
-/* Limit of the decompressed size: per byte of the file, plus a constant.
-   Layouts compress to a tenth, decompression bombs to a thousandth. Half of the
-   limit would suffice. With twice the limit, 16 KB of rectangles of two bytes
-   each take 4 s under a sanitizer. */
+/* Limit of the decompressed size: MOST_RATIO times the file size plus
+   MOST_MORE. Layouts compress to a tenth, decompression bombs to a thousandth.
+   Half of the limit would be sufficient for layouts. With twice the limit, a
+   file of 16 KB with rectangles of two bytes each takes 4 s under a sanitizer.
+ */
 #define MOST_RATIO 64
 #define MOST_MORE ((size_t)1 << 18)
 
@@ -31,7 +32,8 @@ enum { PIECE = 1 << 22 };
 
 /* ---- the window ---- */
 
-/* A change of a mapped file could end the process, so that the file is read. */
+/* The file is read and not mapped into memory: if another program shortened a
+   mapped file, the next access would end this process. */
 void reading_load(reading *b, size_t at, size_t want) {
   size_t end = b->start + b->held;
   size_t kept = at >= b->start && at < end ? end - at : 0;
@@ -109,7 +111,7 @@ static int gzip_unpack(reading *b, z_stream *z, size_t *at) {
   return !b->failed;
 }
 
-/* Replace the window on a gzip stream by all its decompressed bytes. */
+/* Replace the window on a gzip file by the whole decompressed content. */
 static void reading_unzip(reading *b) {
   const size_t most = b->n * MOST_RATIO + MOST_MORE;
   char *out = NULL;
@@ -137,8 +139,8 @@ static void reading_unzip(reading *b) {
 
 /* ---- opening ---- */
 
-/* Files that are not regular may be endless (/dev/zero). Opening a pipe does
-   not block. */
+/* Only regular files are accepted, because others may be endless (/dev/zero).
+   With O_NONBLOCK, opening a pipe returns at once. */
 void reading_open(reading *b) {
   struct stat about = {0};
   size_t n;

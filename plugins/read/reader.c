@@ -189,7 +189,8 @@ int32_t reading_numbered_layer(reading *b, uint32_t layer, uint32_t datatype) {
   int32_t number =
       reading_number(b, eda_layout_layer(b->layout, name, &b->layout_error));
   if (number < 0) return -1;
-  /* A name for every datatype refers to the first datatype in the file. */
+  /* If an entry of the map names all datatypes of a layer, the layout keeps the
+     first of these datatypes as the layer in the file. */
   if (name != buffer && !strcmp(eda_layout_file_layer(b->layout, number), name))
     eda_layout_set_file_layer(b->layout, number, buffer);
   layer_node *node = eda_alloc(1, sizeof *node);
@@ -204,7 +205,7 @@ static int by_code(const void *a, const void *b) {
   return (x->code > y->code) - (x->code < y->code);
 }
 
-/* Return the name of a layer of the layout in the file. */
+/* Return the name that a layer of the layout has in the file. */
 static const char *name_in_file(const reading *b, size_t layer) {
   const opc_map *map = &b->r->layers;
   const char *name = eda_layout_layer_name(b->layout, (int32_t)layer);
@@ -221,8 +222,8 @@ static int is_optional(const reading *b, size_t i) {
          eda_layout_layer(b->layout, name, &ignored) >= 0;
 }
 
-/* Store the layer names of the file for the layers of the map. Writers use
-   these names. */
+/* Store, for each layer of the map, the layer in the file. Writers use it by
+   default. */
 static void reading_keep_names(const reading *b) {
   const opc_map *map = &b->r->layers;
   for (size_t i = 0; i < map->count; i++) {
@@ -261,12 +262,12 @@ static int check_layers(const reading *b) {
 
 /* ---- layer expressions ---- */
 
-/* The layers of the file in one expression. */
+/* The layers of the file that an expression names. */
 typedef struct operands {
   reading *b;
-  size_t found;     /* layers that exist */
+  size_t found;     /* number of layers that exist */
   const char *file; /* name in the file of the first existing layer */
-  GString *missing;
+  GString *missing; /* names of layers that the file lacks */
 } operands;
 
 /* A layer that the file lacks becomes an empty layer. */

@@ -15,42 +15,42 @@ typedef struct reader {
   opc_map layers; /* name of the layer -> layer in the file */
   double scale;
   const char *top;
-  const char *optional; /* names of `layers`, separated by blanks, or NULL */
+  const char *optional; /* names of `layers` that the file may lack, separated
+                           by blanks, or NULL */
 } reader;
 
 /* Parameters of a reader, with the summaries of the file and the layer map. */
-#define READ_PARAMETERS(file_summary, layers_summary)                    \
-  OPC_PARAMETER(reader, file, .type = OPC_FILE, .flags = OPC_REQUIRED,   \
-                .summary = (file_summary)),                              \
-      OPC_PARAMETER(reader, layers, .type = OPC_MAP,                     \
-                    .summary = (layers_summary)),                        \
-      OPC_PARAMETER(reader, optional, .type = OPC_TEXT,                  \
-                    .summary =                                           \
-                        "those of `layers`, with blanks between, "       \
-                        "that the file need not have"),                  \
-      OPC_PARAMETER(reader, scale, .type = OPC_REAL, .flags = OPC_ABOVE, \
-                    .preset = "1", .min = 0,                             \
-                    .summary = "Factor on the unit of the file"),        \
-      OPC_PARAMETER(                                                     \
-          reader, top, .type = OPC_TEXT, .flags = OPC_LISTED,            \
-          .summary =                                                     \
+#define READ_PARAMETERS(file_summary, layers_summary)                     \
+  OPC_PARAMETER(reader, file, .type = OPC_FILE, .flags = OPC_REQUIRED,    \
+                .summary = (file_summary)),                               \
+      OPC_PARAMETER(reader, layers, .type = OPC_MAP,                      \
+                    .summary = (layers_summary)),                         \
+      OPC_PARAMETER(reader, optional, .type = OPC_TEXT,                   \
+                    .summary =                                            \
+                        "Names of `layers` that the file may lack, "      \
+                        "separated by blanks"),                           \
+      OPC_PARAMETER(reader, scale, .type = OPC_REAL, .flags = OPC_ABOVE,  \
+                    .preset = "1", .min = 0,                              \
+                    .summary = "Factor by which the unit is multiplied"), \
+      OPC_PARAMETER(                                                      \
+          reader, top, .type = OPC_TEXT, .flags = OPC_LISTED,             \
+          .summary =                                                      \
               "Top cell; cells not reachable from the top cell are dropped")
 
-/* Implement `check` of a reader: check the map of layers. A layer in the file
-   is a name or, if `most` is not 0, has numbers up to `most`. Return OPC_OK or
-   an error. */
+/* Check the map of layers, as `check` of a reader. `most` is the largest layer
+   number of the format, or 0 if the format has layer names. Return OPC_OK or an
+   error. */
 int reader_check(const reader *r, uint32_t most, opc_error *error);
 
-/* Implement `choices` of a reader: read the file with `run` and pass the name
-   of each cell to `take`. */
+/* Read the file with `run` and pass the name of each cell to `take`, as
+   `choices` of a reader. */
 int reader_choices(void *self,
                    int (*run)(void *self, void **outputs, opc_error *error),
                    void (*take)(void *data, const char *value), void *data,
                    opc_error *error);
 
 /* Define the parameters and functions of a reader whose step runs `run_`.
-   `most`: the largest number of a layer; 0: the layers of the format have
-   names. */
+   `most` as in reader_check. */
 #define READER_FUNCTIONS(run_, most, file_summary, layers_summary)         \
   static const opc_parameter parameters[] = {                              \
       READ_PARAMETERS(file_summary, layers_summary)};                      \
@@ -99,7 +99,7 @@ typedef struct reading {
   /* Fail with OPC_IO and the place in the file, unless a failure exists. */
   void (*refuse)(void *reading, const char *what);
 
-  int file;         /* descriptor; -1: `bytes` holds all bytes */
+  int file;         /* descriptor, or -1 if `bytes` contains the whole file */
   char *bytes;      /* `held` bytes of the file from `start` on */
   const char *text; /* all bytes, after reading_text */
   size_t start, held, capacity;
@@ -107,18 +107,20 @@ typedef struct reading {
 
   eda_layout *layout;
   opc_error layout_error; /* error set by functions of the layout */
-  int32_t cell;           /* cell that receives elements; -1: none */
-  int32_t top;            /* default top cell; -1: keep all */
-  GArray *there; /* per cell: 1 if defined; NULL: all cells are defined */
+  int32_t cell;           /* cell to which elements are added, or -1 */
+  int32_t top;            /* top cell if the parameter `top` is not given; -1 to
+                             keep all cells */
+  GArray *there; /* for each cell, 1 if the file defines the cell; NULL in
+                    formats that always define cells before their use */
 
-  uint8_t *seen;      /* per pair of the map of layers: 1 if the file has the
-                         layer */
-  GHashTable *layers; /* layer_node, for numbered formats */
-  const layer_node *last;
+  uint8_t *seen; /* for each pair of the map of layers, 1 if the file has the
+                    layer */
+  GHashTable *layers;     /* layer_node of each layer, for numbered formats */
+  const layer_node *last; /* layer of the last element */
 } reading;
 
-/* Implement `run` of a reader: open the file, call `read`, and apply the
-   parameters to the layout. Return OPC_OK or an error. */
+/* Open the file, call `read`, and apply the parameters to the layout, as `run`
+   of a reader. Return OPC_OK or an error. */
 int reading_run(void *state, void *self, void **outputs, opc_error *error,
                 void (*read)(void *state));
 
@@ -126,9 +128,9 @@ int reading_run(void *state, void *self, void **outputs, opc_error *error,
    `at`. Return 0 after a failure or cancellation. */
 int reading_goes_on(reading *b, size_t at, int show);
 
-/* Convert the layout's error b->layout_error to a failure at the place in the
-   file. reading_check returns 1 without a failure; reading_number returns
-   `number`. */
+/* reading_check: if `code` is not OPC_OK, fail with b->layout_error at the
+   current place of the file; return 0 after a failure. reading_number: do the
+   same if `number` is negative, and return `number`. */
 int reading_check(reading *b, int code);
 int32_t reading_number(reading *b, int32_t number);
 

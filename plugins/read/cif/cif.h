@@ -9,25 +9,30 @@
 
 #include "../reader.h"
 
-/* A symbol. The first symbol contains all commands outside of symbols. */
+/* A symbol, the CIF term for a cell. symbols[0] stands for the commands outside
+   of all symbols. */
 typedef struct cif_symbol {
   int64_t number;
   int64_t a, b;   /* a / b is the unit of coordinates, centimicrons */
   int64_t factor; /* unit of coordinates, in units of the layout */
-  char *name;     /* NULL: named by its number */
+  char *name;     /* NULL if the symbol has no name; the cell is then named by
+                     the number */
   size_t at;      /* place of the first mention in the text */
   int defined;
-  int odd; /* 1: has an odd width or length */
-  int32_t cell;
+  int odd;      /* 1: a box or wire has an odd width or length */
+  int32_t cell; /* cell of the layout; -1: none */
 } cif_symbol;
 
-/* Deletion (DD) of the symbols from number `from` on; place in the text. */
+/* A command DD at the place `at` of the text, which deletes all symbols with
+   numbers of at least `from`. */
 typedef struct cif_forgotten {
   int64_t from;
   size_t at;
 } cif_forgotten;
 
-/* mirror about the x axis, rotate by `angle` degrees, move by (x, y) units */
+/* Transformation of a call: mirror about the x axis if `mirror` is set, rotate
+   by `angle` degrees, and move by (x, y) in coordinates of the calling symbol.
+ */
 typedef struct cif_transform {
   int mirror;
   double angle, x, y;
@@ -35,16 +40,18 @@ typedef struct cif_transform {
 
 typedef struct cif {
   reading b;
-  size_t at, command; /* place in the text; place of the current command */
-  int building;
-  GPtrArray *symbols;  /* cif_symbol, in order of first mention */
-  size_t mentioned;    /* symbols mentioned in this pass */
-  GHashTable *numbers; /* number -> latest mention; symbols.c */
-  GArray *forgotten;   /* cif_forgotten; both members rise with the index */
+  size_t at, command;  /* place in the text; place of the current command */
+  int building;        /* 1 in the second pass */
+  GPtrArray *symbols;  /* cif_symbol, in the order of their first mention */
+  size_t mentioned;    /* number of symbols mentioned so far in this pass */
+  GHashTable *numbers; /* symbol that each number denotes at present (mention in
+                          symbols.c) */
+  GArray
+      *forgotten; /* cif_forgotten; `from` and `at` increase with the index */
 
-  cif_symbol *current;  /* of the command; symbols[0]: outside of all symbols */
-  char *layer, *outer;  /* current layer; layer outside of the symbol */
-  int32_t layer_number; /* -1: not yet looked up */
+  cif_symbol *current;  /* symbol that contains the current command */
+  char *layer, *outer;  /* current layer; layer before the current symbol */
+  int32_t layer_number; /* layer of the layout for `layer`; -1 until needed */
   GArray *points;       /* eda_point */
 
   /* Contents outside of all symbols. */
@@ -69,6 +76,7 @@ void cif_clear(cif *c);
 /* Return the symbol that a number denotes at the current command; create the
    symbol if necessary. After DD, a number can be defined again. */
 cif_symbol *cif_symbol_of(cif *c, int64_t number);
+/* Delete the symbols with numbers of at least `from` (DD). */
 void cif_forget(cif *c, int64_t from);
 /* Start a pass. */
 void cif_begin(cif *c);
@@ -79,7 +87,10 @@ void cif_make_cells(cif *c);
 
 void cif_parse(cif *c);
 
-/* ---- build.c: shapes and calls in the coordinates of the symbol ---- */
+/* ---- build.c: shapes and calls, in coordinates of the current symbol ---- */
+
+/* Add a box with the centre (x, y) and the length along the direction (dx,
+   dy). */
 
 void cif_box(cif *c, int64_t length, int64_t width, int64_t x, int64_t y,
              int64_t dx, int64_t dy);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the symbols of a file: the meaning of a number at each place, the
-   unit in which all coordinates are integers, and the cells of the layout. */
+/* Implements the symbols of a file. Determines which symbol a number denotes at
+   each place of the file, the unit in which all coordinates are integers, and
+   the cells of the layout. */
 #include <string.h>
 
 #include "cif.h"
@@ -129,8 +130,10 @@ static double choose_unit(cif *c) {
   return c->b.r->scale * 10 / (double)(halves ? 2 * divisor : divisor);
 }
 
-/* Create a cell with that name. If the name is taken, a number is appended;
-   smaller numbers than tried[name] are known to be taken. */
+/* Create the cell of symbol i with the given name. If another cell has this
+   name,
+   `$` and a number are appended. tried[name] is the number of the last attempt
+   for this name, from which the next attempt continues. */
 static void make_cell(cif *c, size_t i, const char *name, GHashTable *tried) {
   g_autofree char *unique = g_strdup(name);
   size_t k = MAX(i, GPOINTER_TO_SIZE(g_hash_table_lookup(tried, name)));
@@ -144,7 +147,8 @@ static void make_cell(cif *c, size_t i, const char *name, GHashTable *tried) {
       &c->b, eda_layout_cell(c->b.layout, unique, &c->b.layout_error));
 }
 
-/* "inverter" from "cells/inverter.cif" */
+/* Create the cell of the commands outside of symbols, named after the file:
+   "inverter" for "cells/inverter.cif". */
 static void make_top(cif *c, GHashTable *tried) {
   const char *slash = strrchr(c->b.r->file, '/');
   g_autofree char *name = g_strdup(slash ? slash + 1 : c->b.r->file);

@@ -19,17 +19,19 @@ enum { MOST_RECORD = 1 << 16 };
 /* Data of the current element. */
 typedef struct element {
   uint32_t type;
-  int32_t layer, datatype; /* -1 for none */
+  int32_t layer, datatype; /* -1 if not given */
   int32_t width, begin, end;
   uint32_t ends;
   uint32_t columns, rows;
   uint32_t transform;
   double magnification, angle;
-  int32_t property; /* number of the property whose value follows; -1: none */
-  int named;        /* 0: no name, 1: by the first property, 2: by number 61 */
+  int32_t property; /* number of the property whose value follows, or -1 */
+  int named;        /* source of `instance`: 0 none, 1 the first property, 2
+                       property 61 */
   eda_point *points;
   size_t n, capacity;
-  char *name, *string, *instance; /* NULL for none */
+  char *name, *string,
+      *instance; /* placed cell, text, instance name; or NULL */
 } element;
 
 /* State of the reader. */
@@ -41,8 +43,8 @@ typedef struct gds {
   const uint8_t *data; /* n bytes of data of the record, n even; valid until
                           the next record */
   size_t n;
-  size_t apart;
-  int absolute; /* 1: a placement has absolute angle or magnification */
+  size_t apart; /* instances so far that replace arrays (MAX_APART) */
+  int absolute; /* 1: a placement has an absolute angle or magnification */
   element e;
 } gds;
 

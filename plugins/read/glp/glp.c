@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements read.glp: a GLP clip (the text format of the ICCAD 2013 contest)
-   as a layout. One record per line, RECT x y width height and PGON x1 y1 x2 y2
-   ... within a CELL. */
+   as a layout. Each line is a record. The shapes of a CELL are RECT N LAYER x y
+   width height and PGON N LAYER x1 y1 x2 y2 ... */
 #include <eda/memory.h>
 #include <stdlib.h>
 #include <string.h>
@@ -136,7 +136,8 @@ static void begin_cell(clip *c) {
       reading_number(b, eda_layout_cell(b->layout, name, &b->layout_error));
 }
 
-/* Return the layer of a shape; the name in the map of layers applies. */
+/* Read the type and the layer of a shape, and return the layer of the layout.
+ */
 static int32_t take_layer(clip *c) {
   char name[256];
   next_word(c); /* type of the shape, N */

@@ -7,10 +7,11 @@
 
 /* ---- common parts of elements ---- */
 
-/* Limit of points of a file's shapes: per byte of the file, plus a constant for
-   a million rectangles. Repetitions and modal variables expand a file, because
-   layouts have no arrays of shapes. With twice these limits, a malicious file
-   would take 0.03 s more, 1 s under a sanitizer. */
+/* Limit of the number of points of all shapes: POINTS_A_BYTE for each byte that
+   was read, plus POINTS_MORE (a million rectangles). A small file can have many
+   shapes by repetitions and modal variables, and layouts have no arrays of
+   shapes. With twice these limits, a malicious file would take 0.03 s more, and
+   1 s more under a sanitizer. */
 enum { POINTS_A_BYTE = 16, POINTS_MORE = 1 << 22 };
 
 int oasis_need(oasis *o, const char *what, uint32_t has) {
@@ -56,8 +57,8 @@ static int64_t read_place(oasis *o, int64_t from) {
   return __builtin_add_overflow(from, by, &to) ? INT64_MAX : to;
 }
 
-/* Read x and y by the INFO bits of elements other than placements. In
-   placements, the bits are one position higher. */
+/* Read the coordinates that the record contains, and keep the modal values of
+   the others. Fail if a coordinate exceeds 32 bits. */
 static void read_xy(oasis *o, int has_x, int has_y, int64_t *x, int64_t *y) {
   if (has_x) *x = read_place(o, *x);
   if (has_y) *y = read_place(o, *y);
@@ -67,6 +68,8 @@ static void read_xy(oasis *o, int has_x, int has_y, int64_t *x, int64_t *y) {
   }
 }
 
+/* The bits of x and y in the information byte of all elements except
+   placements, whose bits are one position higher. */
 void oasis_read_place(oasis *o, uint32_t info, int64_t *x, int64_t *y) {
   read_xy(o, info & 16, info & 8, x, y);
 }
@@ -169,7 +172,7 @@ void oasis_read_placement(oasis *o, uint64_t record) {
 }
 
 /* Convert a repetition to an array of the layout. Return 0 if the repetition is
-   not a lattice. */
+   no lattice, or exceeds 32 bits. */
 static int as_array(const oasis_repetition *r, eda_placement *p) {
   const oasis_vector *c = &r->column, *k = &r->row;
   p->column_step = (eda_point){(int32_t)c->x, (int32_t)c->y};

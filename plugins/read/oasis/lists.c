@@ -57,7 +57,7 @@ static uint64_t read_dimension(oasis *o) {
 
 static int64_t read_space(oasis *o) { return oasis_size(o, oasis_uint(o)); }
 
-/* Return v times the grid of a list. */
+/* Return v times the common factor of the offsets of a repetition. */
 static int64_t on_grid(oasis *o, int64_t v, int64_t grid) {
   int64_t product;
   if (__builtin_mul_overflow(v, grid, &product)) product = INT64_MAX;

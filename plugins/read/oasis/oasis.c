@@ -8,7 +8,8 @@
 
 /* ---- tables and the check sum ---- */
 
-/* Read six pairs: strictness and place of each table. */
+/* Read the table offsets, a pair for each table: whether all names are in the
+   table (1), and the place of the table in the file. */
 static void read_tables(oasis *o) {
   for (int i = 0; i < EDA_OASIS_TABLES; i++) {
     uint64_t complete = oasis_uint(o), at = oasis_uint(o);
@@ -23,8 +24,9 @@ static uint32_t read_signature(oasis *o) {
   return v;
 }
 
-/* Read the places of the tables in END before the other records. A missing END
-   is reported at the end of the file. */
+/* Read the places of the tables from END, before the other records. A missing
+   END is no failure here; the reader fails when it reaches the end of the file.
+ */
 static void look_ahead(oasis *o) {
   opc_error none;
   oasis end = oasis_again(o, &none);

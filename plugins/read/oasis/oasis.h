@@ -62,8 +62,8 @@ typedef struct oasis_points {
   size_t n, capacity;
 } oasis_points;
 
-/* columns x rows on a lattice, or `columns` listed offsets, of which the first
-   is (0, 0). */
+/* Members of a repetition: columns x rows on a lattice or, if `lattice` is 0,
+   the listed offsets, the first of which is (0, 0). */
 typedef struct oasis_repetition {
   int lattice;
   uint64_t columns, rows;
@@ -75,13 +75,14 @@ typedef struct oasis_repetition {
 
 /* A string, or the reference number of a string. */
 typedef struct oasis_reference {
-  char *text; /* NULL: use `number` */
+  char *text; /* NULL: `number` refers to the string */
   uint64_t number;
 } oasis_reference;
 
+/* Modal variables: values of the preceding records, which a record may omit. */
 typedef struct oasis_modal {
-  uint32_t has;
-  int relative;
+  uint32_t has; /* HAS_*: variables that are defined */
+  int relative; /* 1: coordinates are relative to the preceding ones */
   int64_t x, y, text_x, text_y, placed_x, placed_y;
   uint32_t layer, datatype, textlayer, texttype;
   int64_t width, height, halfwidth, radius, begin, end;
@@ -102,25 +103,28 @@ typedef struct oasis {
   reading b;
   int naming; /* 1: this pass reads only names */
 
-  /* Bytes to read: of the window on the file, or of the buffer of a block. */
+  /* Bytes not yet read, in the window on the file or in `inflated`. */
   const uint8_t *p, *end;
   uint64_t record; /* place of the current record, in file or block */
 
   int inside;        /* 1: inside a compressed block */
   uint64_t file_at;  /* place in the file after the bytes passed to zlib */
   uint64_t block_at; /* place of the block in the file */
-  uint64_t done;     /* number of bytes of the block before `inflated` */
-  uint64_t left_in, left_out;
-  uint8_t *inflated;
+  uint64_t done; /* number of decompressed bytes of the block before those in
+                    `inflated` */
+  uint64_t left_in, left_out; /* bytes of the block not yet passed to zlib; not
+                                 yet decompressed */
+  uint8_t *inflated;          /* buffer of decompressed bytes of the block */
   z_stream z;
   uint64_t unpacked; /* decompressed bytes of all blocks so far */
 
   GHashTable *names[OASIS_NAMES]; /* oasis_name */
   uint64_t next[OASIS_NAMES];     /* next implicit number */
   int numbered[OASIS_NAMES];      /* 1: implicit numbers, 2: explicit numbers */
-  uint64_t tables[EDA_OASIS_TABLES]; /* places of complete tables; 0: none */
-  int tables_at_end;
-  int named; /* 1: all names of the file were read */
+  uint64_t tables[EDA_OASIS_TABLES]; /* place of each complete table in the
+                                        file; 0 if there is none */
+  int tables_at_end;                 /* 1: END has the places, not START */
+  int named;                         /* 1: all names of the file were read */
 
   int in_cell;
   oasis_modal m;
@@ -128,12 +132,13 @@ typedef struct oasis {
   eda_point *points;
   size_t capacity_points;
 
-  int pending; /* 1: a placement whose properties may follow */
+  /* A placement is added to the layout after its properties. */
+  int pending; /* 1: a placement was read and is not yet added */
   eda_placement placement;
   int32_t child;
   int repeated;
-  int ranked; /* source of the name: 0: none, 1: GDSII property, 2: property
-                 61 */
+  int ranked; /* source of `instance`: 0 none, 1 the first GDSII property, 2
+                 GDSII property 61 */
   char *instance;
 } oasis;
 
@@ -148,11 +153,12 @@ void oasis_clear(oasis *o);
 void oasis_seek(oasis *o, uint64_t at);
 /* Fail with "'path': FAULT at byte N", with N the place of the record. */
 void oasis_refuse(void *o, const char *what);
-/* Begin a record. A compressed block that ends at this place is left. Return 0
-   after a failure. */
+/* Begin a record. If a compressed block ends at this place, continue after the
+   block in the file. Return 0 after a failure. */
 int oasis_begin_record(oasis *o);
-/* oasis_place: return the place in the file. oasis_consumed: return the number
-   of bytes read so far, decompressed (at most 64 per byte of the file). */
+/* oasis_place returns the place in the file. oasis_consumed returns the number
+   of bytes read so far, counted after decompression but at most 64 for each
+   byte of the file. */
 uint64_t oasis_place(const oasis *o);
 uint64_t oasis_consumed(const oasis *o);
 /* Continue in the contents of a CBLOCK record. */
@@ -231,13 +237,17 @@ void oasis_read_placement(oasis *o, uint64_t record);
 void oasis_read_property(oasis *o, uint64_t record);
 void oasis_end_placement(oasis *o);
 
-/* Fail with `what` if one of the modal variables `has` is undefined. */
+/* Fail if one of the modal variables `has` is undefined. The message is "WHAT
+   without VARIABLE"; without `what`, the name of the variable is the message.
+   Return 0 after a failure. */
 int oasis_need(oasis *o, const char *what, uint32_t has);
-/* Read the layer and the datatype if the bits `info` of the record are set. */
+/* Read the layer and the datatype if their bits in the information byte `info`
+   of the record are set. `has` is the HAS_ bit of the layer; the bit of the
+   datatype follows. */
 void oasis_read_layer(oasis *o, uint32_t info, uint32_t has, uint32_t *layer,
                       uint32_t *datatype);
 /* Read x and y if the bits `info` are set; update the modal variables. */
 void oasis_read_place(oasis *o, uint32_t info, int64_t *x, int64_t *y);
-/* Add `count` * `points` points to those of the file. Fail and return 0 beyond
-   the limit. */
+/* Count `count` shapes of `points` points each. Fail and return 0 if the shapes
+   of the file have too many points. */
 int oasis_spend(oasis *o, uint64_t count, uint64_t points);

@@ -10,8 +10,9 @@
 
 enum { SIDES = 64 }; /* corners of the polygon of a circle */
 
-/* Bits of the information byte of a shape, except those for layer and
-   datatype. */
+/* Bits of the information byte of a shape, except those for layer, datatype, x
+   and y. REPEATED: a repetition follows; FIRST, SECOND: the first or second
+   size or list is in the record; TOP: depends on the shape. */
 enum { REPEATED = 4, SECOND = 32, FIRST = 64, TOP = 128 };
 
 static void read_layer(oasis *o, uint32_t info) {

@@ -9,9 +9,9 @@
 
 enum { BUFFER = 1 << 18 };
 
-/* Limit of decompressed bytes: per byte of the file, plus a constant. Layouts
-   compress to a tenth, padding to a thousandth. A file of 64 MB of one-byte
-   records takes 30 s under a sanitizer. */
+/* Limit of the decompressed size of all blocks: MAX_RATIO times the file size
+   plus MAX_MORE. Layouts compress to a tenth, padding to a thousandth. 64 MB of
+   one-byte records take 30 s under a sanitizer. */
 #define MAX_RATIO 64
 #define MAX_MORE ((uint64_t)1 << 18)
 

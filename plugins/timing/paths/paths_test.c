@@ -168,9 +168,9 @@ static void test_printed(void) {
 }
 
 /* Test paths that differ from the paths at drawn sizes. z is the NAND of m and
-   n, which are both the inverted a. n has more load, so m changes first. XU1
-   drives m. If XU1 prints long enough, m changes last. Each change of z then
-   has another path than at drawn sizes and is counted in `others`. */
+   n. Both are the inverted a; n has more load, so m changes first. XU1 drives
+   m. If XU1 prints long enough, m changes last. Each change of z then has
+   another path than at drawn sizes and is counted in `others`. */
 static void test_others(void) {
   opc_error error;
   eda_circuit circuit;

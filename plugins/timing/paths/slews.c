@@ -85,11 +85,10 @@ static void find_load(gate *g, int rises, double time) {
 /* ---- two inputs ---- */
 
 /* Return the factors by which another input multiplies the delay and slew of
-   the cause. `alone`: delay and slew that the cause produces alone; `other`:
-   those of the other input. `gap`: time between both inputs, in delays;
-   `first`, `second`: slews of the inputs of the pair, each divided by the delay
-   of that input. p is NULL if the other input only changes the path of the
-   current. */
+   the cause. Delay and slew that each produces alone: `alone` (the cause) and
+   `other`. Time between both inputs, in delays: `gap`. Slews of the inputs of
+   the pair, each divided by the delay of that input: `first`, `second`. If p is
+   NULL, the other input only changes the path of the current. */
 static both blend_factors(both alone, both other, const eda_timing_pair *p,
                           double gap, double first, double second) {
   both f = {1, 1};
