@@ -58,8 +58,8 @@ static int names_collide(const char *a, const char *b) {
   return x.layer == y.layer && x.datatype == y.datatype;
 }
 
-/* Fail if the map assigns a name that a layer outside of the map has from the
-   file of the layout. */
+/* Fail if two layers would become one layer of the output file: a layer in the
+   map, and a layer that keeps its name from the file of the layout. */
 static int check_places(const writer *w, const eda_layout *layout,
                         const char *const *names, opc_error *error) {
   const opc_map *map = &w->layers;
@@ -167,7 +167,7 @@ static int put_cell(writer *w, const eda_layout *layout, int32_t cell,
   return w->failed;
 }
 
-/* Write all cells; `names`: of the layers. */
+/* Write all cells. `names` has the name of each layer in the output file. */
 static int put_cells(writer *w, const eda_layout *layout,
                      const char *const *names, opc_error *error) {
   w->format->begin(w, layout, eda_layout_unit(layout));
@@ -206,8 +206,8 @@ void writer_number_layer(const eda_gates *gates, size_t k, int drawn,
            (unsigned)(number + (drawn ? EDA_DRAWN_NUMBER : 0)));
 }
 
-/* List all layers, then the drawn shapes of the corrected layers. Return the
-   number of elements. */
+/* List all layers of the mask, then the drawn shapes of the corrected layers as
+   separate layers. Return the number of elements of the list. */
 static size_t list_mask(const writer *w, mask_layer *layers) {
   const eda_gates *g = w->mask->gates;
   size_t n = 0;

@@ -23,8 +23,10 @@ typedef struct write_format {
      not valid in the format. */
   int (*set_layer)(void *self, const char *layer);
 
-  /* Write the parts of the file in the order of these members. `unit`: nm.
-     `layout`: NULL for a mask. */
+  /* Write the parts of the file, in the order of these members. `unit` is in
+     nm; `layout` is NULL for a mask. `cell` and `child` are cells of the
+     layout; the last argument of `placement` is the name of the instance, or
+     NULL. */
   void (*begin)(void *self, const eda_layout *layout, double unit);
   void (*begin_cell)(void *self, int32_t cell, const char *name);
   void (*polygon)(void *self, const eda_point *points, size_t n);
@@ -72,19 +74,20 @@ typedef struct writer {
                             .summary = (layers_summary)),                     \
   }
 
-/* writer_check: implement `check` of a plugin. writer_run: implement `run` of
-   its step. Return OPC_OK or an error. */
+/* Serve as `check` of a writing plugin, and as `run` of the step. Return OPC_OK
+   or an error. */
 int writer_check(writer *w, const write_format *format, opc_error *error);
 int writer_run(void *self, void **outputs, opc_error *error);
 
-/* Implement `forecast`: check the names of the layers, without an estimate. */
+/* Serve as `forecast` of the step: check the names of the layers. No memory or
+   work is estimated. */
 int writer_forecast(void *self, opc_forecast *out, opc_error *error);
 
 /* Fail with OPC_FAILED, because the format cannot represent the layout. The
    first failure is kept; the file is deleted. */
 OPC_PRINTF(2, 3) void writer_fail(writer *w, const char *format, ...);
 
-/* Implement name_layer for formats with numbered layers. */
+/* Serve as name_layer of formats with numbered layers. */
 void writer_number_layer(const eda_gates *gates, size_t k, int drawn,
                          char *name);
 

@@ -14,10 +14,10 @@ typedef struct annotator {
   const opc_host *host;
   const eda_circuit *circuit;
   const eda_mask *mask;
-  int state; /* EDA_DRAWN ...; -1: not given */
+  int state; /* EDA_DRAWN, EDA_BEFORE or EDA_AFTER; -1 if not given */
   const char *n_model, *p_model, *cards, *file;
   int subcircuits;
-  double unit; /* nm; NAN: not given */
+  double unit; /* nm; NAN if not given */
 } annotator;
 
 /* Default model names. */
@@ -133,7 +133,8 @@ static const opc_metric metrics[] = {
 
 /* ---- entry ---- */
 
-/* The step is not reused: included files may contain the model cards. */
+/* Results of the step are not reused, because `models` may include other
+   files. */
 static const opc_step functions = {.run = annotate_run,
                                    .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(

@@ -6,6 +6,7 @@
 
 #include "graph.h"
 
+/* Return the allowed deviation from a size of the netlist, nm. */
 static double length_slack(const match_task *j, double nominal) {
   return fmax(j->tolerance * nominal, j->gates->grid) * (1 + 1e-9);
 }

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Extracts the connectivity of the layout. Each layer is divided into
    rectangles; touching rectangles form a net. Gates are removed from active.
-   Groups are not connected to each other. */
+   Rectangles of different groups (match.h) are not connected. */
 #include <eda/index.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "match.h"
 
-enum { UNKNOWN = UINT32_MAX - 1 };
+enum { UNKNOWN = UINT32_MAX - 1 }; /* the group is not yet looked up */
 
 /* Rectangles of a layer. */
 typedef struct conductor {
@@ -25,11 +25,9 @@ typedef struct extractor {
   uint32_t first[LAYERS + 1]; /* first rectangle of each layer, in numbers over
                                  all layers */
   uint32_t *parent;           /* union-find forest of all rectangles */
-  uint32_t *group_of;         /* cached groups of placements */
+  uint32_t *group_of; /* group of each placement, UNKNOWN until needed */
   size_t placements;
 } extractor;
-
-/* ---- nets ---- */
 
 /* ---- loading ---- */
 
@@ -273,7 +271,8 @@ static int find_terminals(extractor *x) {
 
 /* ---- labels ---- */
 
-/* Return the rectangle below a text; UINT32_MAX: none. */
+/* Return the rectangle at the point of a text, or UINT32_MAX if there is none.
+ */
 static uint32_t rectangle_below(const extractor *x, uint32_t group, eda_point p,
                                 int32_t layer) {
   for (int k = 0; k < LAYERS; k++) {
@@ -285,8 +284,8 @@ static uint32_t rectangle_below(const extractor *x, uint32_t group, eda_point p,
   return UINT32_MAX;
 }
 
-/* Read the texts of a layer at the top level of each group: labels of
-   rectangles. */
+/* Read the texts of a layer that are in the top cell of a group, as labels of
+   the rectangles at their points. */
 static int load_texts(extractor *x, int32_t layer) {
   match_task *j = x->j;
   eda_flat_texts texts;

@@ -10,7 +10,10 @@
 
 #include "graph.h"
 
-enum { ROUNDS = 6, NAMES = 3 };
+enum {
+  ROUNDS = 6, /* colour r of a node describes the nodes within r links */
+  NAMES = 3   /* largest number of transistors that a message names */
+};
 
 typedef struct finder {
   graph *g;
@@ -53,8 +56,9 @@ static void pair_up(finder *f, int round) {
   f->n = kept;
 }
 
-/* Find the bundles without a counterpart after the rounds from the last one
-   down to `last`. */
+/* Find the bundles without a counterpart. Bundles of equal colour are paired,
+   first by the colours of the last round, then of each round before, down to
+   round `last`. */
 static void faults_find(finder *f, int last) {
   uint32_t first = f->g->bundle0[NETLIST];
   f->n = f->g->nodes - first;

@@ -18,19 +18,23 @@ typedef struct bundle {
   uint8_t type;
   uint32_t first, count; /* range in side.member */
   double length, width;  /* length of the first transistor; total width, nm */
-  nm_point middle;       /* mean of the centres, nm; NAN: unknown */
+  nm_point middle;       /* mean of the centres of the gates, nm; NAN if not
+                            known */
 } bundle;
 
 typedef struct side {
   uint32_t nets;
   uint32_t bundles;
   bundle *bundle;
-  uint32_t *member;  /* devices of the flat netlist, or gates */
-  const char **seed; /* per net: name of the port common to both sides; NULL:
-                        none */
-  const char **name; /* per net: label common to both sides; NULL: none */
+  uint32_t *member;  /* transistors of all bundles: devices of the flat netlist,
+                        or gates of the layout */
+  const char **seed; /* for each net, the name of the port if both sides have
+                        this port, or NULL */
+  const char **name; /* for each other net, the label if both sides have this
+                        label, or NULL */
 } side;
 
+/* Link from a node to a neighbour. */
 typedef struct arc {
   uint32_t node;
   uint32_t role; /* 1 gate, 2 source or drain */
@@ -43,8 +47,9 @@ typedef struct graph {
   eda_flat_netlist flat;
   side side[SIDES];
   uint32_t nodes;
-  uint32_t net0[SIDES], bundle0[SIDES];
-  uint32_t *start; /* first link of each node */
+  uint32_t net0[SIDES], bundle0[SIDES]; /* first node of the nets and of the
+                                           bundles of each side */
+  uint32_t *start; /* [nodes + 1]: first link of each node */
   arc *links;
 } graph;
 
@@ -64,8 +69,8 @@ static inline uint64_t graph_mix(uint64_t a, uint64_t b) {
   return h ^ h >> 31;
 }
 
-/* Return the position of a device's gate in the netlist, nm; NAN: none. Only
-   devices of the top circuit have a position. */
+/* Return the centre of a device's gate according to the comment in the netlist,
+   nm, or NAN. Only devices of the top circuit have a position. */
 nm_point graph_place(const graph *g, const eda_transistor *d);
 
 /* Return the centre of a gate, nm. */
@@ -83,7 +88,8 @@ void graph_sort(uint32_t *nodes, size_t n, const uint64_t *mark);
 /* graph.c: build the graph of a group. */
 int graph_make(match_task *j, const region *group, graph *out);
 
-/* faults.c: report the bundles without a counterpart. Returns the code. */
+/* faults.c: fail with a message that names the bundles without a counterpart.
+   Return the code. */
 int graph_report(graph *g);
 
 /* assign.c: assign the devices of a bundle to the gates of its counterpart and
@@ -95,13 +101,14 @@ int graph_assign(graph *g, const bundle *devices, const bundle *gates);
 typedef struct partition {
   const graph *g;
   uint32_t classes;
-  uint32_t *class_of;    /* class of each node */
-  uint32_t *order;       /* nodes sorted by class */
-  uint32_t *begin, *end; /* range of each class in `order` */
-  uint32_t *parent;      /* class from which each class was split */
-  uint8_t *touched;
-  uint64_t *mark; /* key of each node for the next split */
-  uint32_t *list, *changed, *spare;
+  uint32_t *class_of;     /* class of each node */
+  uint32_t *order;        /* nodes sorted by class */
+  uint32_t *begin, *end;  /* range of each class in `order` */
+  uint32_t *parent;       /* class from which each class was split */
+  uint8_t *touched;       /* 1: the class is in `list` */
+  uint64_t *mark;         /* key of each node for the next split */
+  uint32_t *list, *spare; /* classes to split; buffer */
+  uint32_t *changed;      /* nodes whose class changed since the last round */
   uint32_t n_changed;
   int odd; /* 1: in some class, the numbers of nodes of both sides differ */
 } partition;

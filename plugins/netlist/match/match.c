@@ -209,9 +209,9 @@ static const opc_parameter parameters[] = {
                   .summary = "conducting layers: layer names in the layout"),
     OPC_PARAMETER(matcher, labels, .type = OPC_MAP, .choices = LAYER_KEYS,
                   .summary = "separate layers with the texts that name nets"),
-    OPC_PARAMETER(matcher, scale, .type = OPC_REAL, .flags = OPC_ABOVE,
-                  .preset = "1",
-                  .summary = "factor on the sizes of the netlist"),
+    OPC_PARAMETER(
+        matcher, scale, .type = OPC_REAL, .flags = OPC_ABOVE, .preset = "1",
+        .summary = "factor by which the sizes in the netlist are multiplied"),
     OPC_PARAMETER(matcher, flat, .type = OPC_BOOL, .preset = "false",
                   .summary = "match the flattened netlist, even if the layout "
                              "has the netlist's instances"),
@@ -227,10 +227,12 @@ static const opc_parameter parameters[] = {
                   .summary = "names of ground ports, separated by blanks"),
     OPC_PARAMETER_NAMED(
         "nmos", matcher, n_models, .type = OPC_TEXT,
-        .summary = "names of n models whose type is not evident"),
+        .summary =
+            "model names of n-transistors that do not indicate the type"),
     OPC_PARAMETER_NAMED(
         "pmos", matcher, p_models, .type = OPC_TEXT,
-        .summary = "names of p models whose type is not evident"),
+        .summary =
+            "model names of p-transistors that do not indicate the type"),
 };
 
 static const opc_metric metrics[] = {
@@ -244,7 +246,8 @@ static const opc_metric metrics[] = {
 /* ---- entry ---- */
 
 static const opc_port outputs_of[] = {EDA_PORT_CIRCUIT("circuit")};
-/* The step is not reused, because the netlist may include other files. */
+/* Results of the step are not reused, because the netlist may include other
+   files. */
 static const opc_step functions = {OPC_OUTPUTS(outputs_of), .run = match_run,
                                    .forecast = match_forecast,
                                    .flags = OPC_STEP_OUTSIDE};

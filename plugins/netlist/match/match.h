@@ -12,26 +12,29 @@
    metal k + 1. */
 enum { POLY, ACTIVE, CONTACT, METAL1, METALS = 10, LAYERS = 2 + 2 * METALS };
 
-/* Text on a net. During extraction, `net` is the number of a rectangle. */
+/* Text that names a net of a group. During extraction, `net` is the number of a
+   rectangle of the net. */
 typedef struct label {
   uint32_t net, group;
   size_t number; /* position in the order of reading */
   const char *text;
 } label;
 
-/* Subcircuit of the netlist with the corresponding part of the layout. */
+/* A group: a subcircuit of the netlist and the corresponding part of the
+   layout, which are matched without the other groups. */
 typedef struct region {
   const eda_scope *scope;
   int32_t cell;
   const char *path;      /* instance in the layout; "" at the top */
-  uint64_t first_device; /* in the flat netlist */
-  const uint32_t *gate;  /* gates inside the region, in increasing order */
+  uint64_t first_device; /* index of the first device in the flat netlist */
+  const uint32_t *gate;  /* gates of the group, in increasing order */
   size_t gates;
-  const label *label; /* labels of the nets of the region */
+  const label *label; /* labels of the nets of the group */
   size_t labels;
 } region;
 
-/* Nets of a gate: one at the gate, and one at each side (low, high). */
+/* Nets of a transistor: gate, and source or drain on the side of smaller (low)
+   and of larger coordinates (high). */
 typedef struct terminals {
   uint32_t gate, low, high;
 } terminals;
@@ -46,22 +49,23 @@ typedef struct match_task {
   const eda_gates *gates;
   int ignore_hierarchy;
   double tolerance; /* largest relative deviation of sizes */
-  int32_t layer[LAYERS], text_layer[LAYERS]; /* -1: none */
+  int32_t layer[LAYERS], text_layer[LAYERS]; /* layers of the layout, or -1 */
 
   size_t groups, capacity_groups;
   region *group;
   eda_names group_of; /* path of an instance -> group */
-  uint32_t *of_group; /* group of each gate; UINT32_MAX: none */
+  uint32_t *of_group; /* group of each gate, or UINT32_MAX */
 
   terminals *terminals; /* nets of each gate; groups do not share nets */
   size_t nets;
-  uint32_t *known; /* number of each net in its group; UINT32_MAX: none */
+  uint32_t *known; /* number of each net in the graph of its group, or
+                      UINT32_MAX */
   size_t labels, capacity_labels;
   label *label;
   size_t loose; /* labels that are not on a shape */
 
   eda_flat_netlist flat; /* the whole netlist */
-  uint32_t *owner;       /* device of each gate; UINT32_MAX: none */
+  uint32_t *owner;       /* device of each gate, or UINT32_MAX */
   size_t by_order;       /* assignments that only the order decided */
 } match_task;
 
@@ -74,7 +78,7 @@ const char *match_gate_name(const match_task *j, size_t gate, char *buffer,
 
 /* pairing.c: assign subcircuits to parts of the layout. */
 int match_pair(match_task *j, const eda_scope *top);
-/* Return the group of an instance path; UINT32_MAX: none. */
+/* Return the group that contains an instance path, or UINT32_MAX. */
 uint32_t match_group_of(const match_task *j, const char *path);
 
 /* extract.c: extract the connectivity of the layout. */

@@ -31,8 +31,9 @@ static const char *const cells[] = {"nmos",  "pmos",          "inverter",
                                     "nand2", "nor2",          "nand2h",
                                     "sram4", "inverter_chain"};
 
-/* Check the gates against their places in the netlist. `by_name`: the device
-   must be equal; otherwise any device with the same nets is accepted. */
+/* Check the gates against their places in the netlist. If `by_name` is set, the
+   device must be the same; otherwise any device with the same nets is accepted.
+ */
 static void check_places(const eda_circuit *c, const char *text, int by_name) {
   g_auto(GStrv) lines = g_strsplit(text, "\n", -1);
   g_autofree uint32_t *owner = g_new0(uint32_t, c->gates->count);

@@ -9,7 +9,7 @@
 
 /* ---- groups ---- */
 
-enum { AMBIGUOUS = UINT32_MAX - 1 };
+enum { AMBIGUOUS = UINT32_MAX - 1 }; /* several instances have this name */
 
 static void add_group(match_task *j, const region *g) {
   eda_pool_grow(&j->pool, &j->group, &j->capacity_groups, j->groups + 1,
@@ -30,8 +30,8 @@ static void list_instances(match_task *j, int32_t cell, eda_names *names) {
   }
 }
 
-/* Return the instance of the layout with the name of an element; the first
-   letter of the element's name (X) may be missing in the layout. -1: none. */
+/* Return the instance of the layout with the name of an element, or -1. The
+   first letter of the element's name (X) may be missing in the layout. */
 static int64_t by_name(const eda_names *names, const eda_element *e) {
   const char *name = e->name;
   uint32_t *at = eda_names_find(names, name);
@@ -115,7 +115,6 @@ static int pair_region(match_task *j, const region *g) {
   return OPC_OK;
 }
 
-/* Return the deepest group that contains the path. */
 uint32_t match_group_of(const match_task *j, const char *path) {
   g_autofree char *part = g_strdup(path);
   for (;;) {

@@ -43,12 +43,16 @@ static void mark_names(partition *p, uint32_t class) {
   }
 }
 
+/* Split a class by its marks and refine. Undo the splits if netlist and layout
+   then differ. */
 static void try_marks(partition *p, uint32_t class) {
   uint32_t before = p->classes;
   partition_split(p, class);
   if (!partition_refine(p)) partition_undo(p, before);
 }
 
+/* Split classes of nets by labels, and classes of bundles by length, then by
+   width. */
 static void take_hints(partition *p) {
   const graph *g = p->g;
   sized *list = eda_pool_alloc(&g->j->pool, g->nodes, sizeof *list);
@@ -67,8 +71,8 @@ static void take_hints(partition *p) {
 
 /* ---- choices ---- */
 
-/* List the candidate gates of a bundle by distance. Return the number of
-   candidates. */
+/* List the layout bundles in the class of a netlist bundle, sorted by distance.
+   Return their number. */
 static uint32_t gate_candidates(const partition *p, uint32_t node,
                                 sized *list) {
   const graph *g = p->g;
@@ -122,7 +126,8 @@ static uint32_t node_counterpart(const partition *p, uint32_t node) {
   return a == node ? b : a;
 }
 
-/* Return 1 if each net of a device corresponds to that of its gate. */
+/* Return 1 if the nets of a netlist bundle correspond to those of a layout
+   bundle. Source and drain may be exchanged. */
 static int bundle_corresponds(const partition *p, const bundle *a,
                               const bundle *b) {
   const graph *g = p->g;

@@ -10,7 +10,7 @@
 
 #include "klayout.h"
 
-/* Half size of a simulated window beyond a transistor, and distance of the
+/* Margin of the simulated window around a transistor, and distance of the
    points of a contour, nm. */
 static const double around = 400, step = 10;
 
@@ -40,9 +40,9 @@ static sheet *find_sheet(klayout *k, int group, size_t layer, int holes) {
 typedef struct source {
   const eda_layout *from;
   int32_t top;
-  int32_t *layer; /* by layer of `from`; -1: omitted */
-  int32_t *cell;  /* by cell of `from` */
-  const char *suffix;
+  int32_t *layer;     /* target layer of each layer of `from`; -1: omitted */
+  int32_t *cell;      /* target cell of each cell of `from` */
+  const char *suffix; /* of the names of the appended cells */
 } source;
 
 static int32_t cell_new(const source *s, int32_t i, target *t,

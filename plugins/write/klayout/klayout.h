@@ -4,8 +4,9 @@
 
 #include "../oasis/stream.h"
 
-/* Content of a layer of the file, and group of the layer list; later groups are
-   drawn on top. */
+/* Content of a layer of the file: drawn shapes, mask, contours printed by the
+   drawn mask (BEFORE) and by the corrected mask (AFTER). The layer list of
+   KLayout has a group for each content; later groups are drawn on top. */
 enum { DRAWN, MASK, BEFORE, AFTER, GROUPS };
 
 /* A layer of the file. */
@@ -13,7 +14,7 @@ typedef struct sheet {
   int group;
   size_t layer; /* layer of the gates */
   int holes;    /* 1: holes of a printed contour */
-  int empty;    /* 1: not in the file */
+  int empty;    /* 1: no shapes; the layer is then not in the file */
   char number[32], name[64];
 } sheet;
 
@@ -26,7 +27,8 @@ typedef struct klayout {
   size_t n_sheets;
 } klayout;
 
-/* Layer of a layout that receives shapes. */
+/* Cell and layer of a layout to which shapes are added, and a buffer for the
+   points of a polygon. */
 typedef struct target {
   eda_layout *layout;
   int32_t cell, layer;
@@ -36,7 +38,8 @@ typedef struct target {
   size_t capacity;
 } target;
 
-/* Contours of a level set; NULL: none. */
+/* Contours of the level set `print`, as from eda_contours; no contours if
+   `print` is NULL. */
 typedef struct contours {
   const opc_context *context;
   const eda_field *print;

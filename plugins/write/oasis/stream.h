@@ -17,13 +17,13 @@ typedef struct oasis {
   writer w;
   eda_layer_number layer;
   eda_oasis *out;
-  strings texts, names; /* names of instances */
+  strings texts, names; /* texts of the layout; names of instances */
   const eda_layout *layout;
-  uint64_t *places; /* places of the cells in the file */
+  uint64_t *places; /* place of each cell in the file, bytes */
   size_t n_places;
-  /* Names of the layout's layers in their order, printable and without blanks;
-     an element is NULL for a layer without name. NULL: the file has no layer
-     names. */
+  /* Names of the layout's layers, in the order of the layers, printable and
+     without blanks; NULL for a layer without a name. If layer_names itself is
+     NULL, the file has no layer names. */
   const char *const *layer_names;
 } oasis;
 
