@@ -21,9 +21,9 @@ typedef struct view {
   eda_paper *paper;
   double grid;           /* nm per unit of shapes */
   double x0, y0, x1, y1; /* window, nm */
-  double left, top;      /* position on paper */
-  double width, height;
-  double scale; /* pixels per nm */
+  double left, top;      /* position of the window on the paper, pixels */
+  double width, height;  /* size of the window on the paper, pixels */
+  double scale;          /* pixels per nm */
 } view;
 
 /* Parameters of all pictures of layouts. */
@@ -70,14 +70,15 @@ void view_add_scale_bar(const view *v, eda_legend *legend);
 
 /* ---- shapes.c: content of the window ---- */
 
+/* Return the position on the paper, pixels, of a layout coordinate, nm. */
 double view_x(const view *v, double x);
 double view_y(const view *v, double y);
 
 /* Return 1 if a position is within the window. */
 int view_contains(const view *v, double x, double y);
 
-/* Return the intersection of a frame and the window, enlarged by `around` nm on
-   each side. */
+/* Return the part of a frame within the window enlarged by `around` nm on each
+   side. */
 eda_frame view_part(const view *v, eda_frame frame, double around);
 
 /* Return the line width of outlines, smaller for small scales. */

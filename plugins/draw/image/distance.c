@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the distance between the contours of two models. For each point of
-   one contour, the nearest point of the other contour is found, and from there
-   the foot of the perpendicular on the exact level set. Distances in both
-   directions count, so that features that only one model prints are
-   included. */
+   one contour, the nearest point of the other contour is found. An iteration
+   from this point finds the foot of the perpendicular on the exact level set.
+   Distances are measured from each contour to the other, so that features that
+   only one model prints are included. */
 #include <eda/index.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -12,15 +12,16 @@
 #include "image.h"
 
 enum { MAX_NODES = 4000000 };
-static const double finest = 2;   /* distance of contour points, nm */
+static const double finest = 2;   /* smallest distance of contour points, nm */
 static const double beyond = 200; /* margin around the window for nearest
                                      points, nm */
 static const double near = 10;    /* first search radius, nm */
 
 /* ---- the points of a contour ---- */
 
-/* Points of contours. `place`: x, y in nm. `weight`: length of contour for each
-   point, 0 outside of the window. The index is in nm. */
+/* Points of all contours of a model. `place` has x and y of each point, nm;
+   `weight` the length of the contour that the point represents, nm, 0 outside
+   of the window. The boxes of the index are in nm. */
 typedef struct line {
   const eda_field *print;
   size_t n;
@@ -118,9 +119,9 @@ static double nearest_point(const line *l, const double *p, uint32_t *best) {
   return least;
 }
 
-/* Return the distance of p from the foot of the perpendicular. The foot is
-   found from a start point by alternating steps along the gradient and along
-   the level set. */
+/* Return the distance of p from the level set, measured along a perpendicular
+   to the level set. The foot of the perpendicular is found from the start point
+   `from` by steps along the gradient and along the level set. */
 static double foot_distance(const line *l, const double *p,
                             const double *from) {
   double x = from[0], y = from[1];

@@ -126,7 +126,8 @@ static int image_run_step(void *self, void **outputs, opc_error *error) {
   return code;
 }
 
-/* Return gates with the extent of the simulation. */
+/* Return a copy of the gates whose extent is that of the simulated part: the
+   window for a mask by classes, otherwise the whole layout. */
 static eda_gates image_outline(const image_run *r) {
   const eda_mask *mask = r->asked.mask;
   const double *w = r->view.asked.window.values;

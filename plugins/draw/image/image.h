@@ -32,7 +32,8 @@ typedef struct image_model {
   char *label;
   const opc_module *litho, *resist;
   eda_field image, print; /* intensity, level set */
-  double low, high;       /* intensity range along the contours; NAN: none */
+  double low, high; /* range of the intensity along the contours; NAN without
+                       contours */
   image_distance distance;
   image_gates gates;
 } image_model;
@@ -49,8 +50,9 @@ typedef struct image_run {
       const char *label;
       const opc_module *litho, *resist;
     } model[IMAGE_MODELS];
-  } asked;        /* parameters */
-  eda_mask *part; /* flat mask of the window of a mask by classes; NULL: none */
+  } asked; /* parameters */
+  eda_mask
+      *part; /* for a mask by classes, the flat mask of the window; or NULL */
   const eda_gates *gates;
   size_t layer;             /* layer of the gates */
   const eda_shapes *shapes; /* mask of that layer */

@@ -15,7 +15,7 @@ typedef struct drawer {
   const eda_mask *mask;
   int state;
   const char *scale; /* parameter `scale` */
-  double asked;      /* parameter as %; 0: from the data */
+  double asked;      /* deviation of the parameter `scale`, %; 0 for auto */
   int64_t insets;    /* largest number of insets */
   double range;      /* deviation at the ends of the scale, % */
   size_t beyond;     /* number of transistors beyond the range */
@@ -27,21 +27,23 @@ typedef struct drawer {
 
 int drawer_check_scale(drawer *d, opc_error *error);
 
-/* Return 1 if a transistor does not print as a separate transistor. Notes about
-   the printed image are not failures. For the drawn mask, only currents are
-   known. */
+/* Return 1 if a transistor does not print as a separate transistor. Flags that
+   are only notes do not count. In the state BEFORE, the flags are not known,
+   and a transistor without a current counts as not printed. */
 int drawer_fails(const drawer *d, size_t gate);
 
-/* drawer_deviation: return the deviation of a transistor's drive current, %.
-   drawer_figure: return the figure that the colour shows. NAN if there is
-   none. */
+/* drawer_deviation returns the deviation of a transistor's drive current, %.
+   drawer_figure returns the value that the colour of the transistor shows, %:
+   the deviation, or in the state DIFFERENCE the change of |deviation|. Both
+   return NAN if the current is not known. */
 double drawer_deviation(const drawer *d, const eda_performance *p, size_t gate);
 double drawer_figure(const drawer *d, size_t gate);
 
 /* Set `range` and `beyond` of *d. */
 void drawer_set_range(drawer *d);
 
-/* Compute mean and largest deviation, without transistors that have none. */
+/* Compute the mean and the largest |deviation| of the transistors whose current
+   is known. */
 void drawer_statistics(const drawer *d, const eda_performance *of, double *mean,
                        double *max);
 

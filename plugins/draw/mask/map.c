@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the picture of a mask by classes: a map of a figure of all
-   transistors. The raster has the size of the picture; a pixel shows the worst
-   of its transistors. */
+/* Implements the picture of a mask by classes: a map of all transistors, whose
+   colours show the deviation or the size of the class. Each pixel shows the
+   worst of the transistors that it covers. */
 #include <eda/chip.h>
 #include <eda/memory.h>
 #include <eda/print.h>
@@ -13,7 +13,8 @@
 
 /* ---- state ---- */
 
-/* Pixel values. NAN: no transistor; INFINITY: a transistor does not print. */
+/* Values of the pixels. NAN: the pixel covers no transistor; INFINITY: a
+   transistor of the pixel does not print. */
 typedef struct raster {
   int width, height;
   double scale; /* pixels per grid step */

@@ -301,9 +301,9 @@ static const opc_parameter parameters[] = {
         drawer, state, .type = OPC_CHOICE, .preset = "after",
         .choices = "before|after|difference|classes",
         .summary =
-            "Show the drawn mask, the corrected mask, the difference, or, for "
+            "Show the drawn mask, the corrected mask, the difference, or (for "
             "a "
-            "mask by classes, the number of transistors with the same mask"),
+            "mask by classes) the number of transistors with the same mask"),
     OPC_PARAMETER(drawer, scale, .type = OPC_TEXT, .preset = "auto",
                   .summary =
                       "Deviation at the ends of the colour scale, such as 2 %; "
