@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Computes exposure latitude and depth of focus from the cutlines of all
-   simulated contours. */
+/* Computes exposure latitude and depth of focus from the printed lengths of all
+   gates at all simulated conditions. */
 #include <math.h>
 
 #include "window.h"
@@ -13,8 +13,8 @@ typedef struct line_scan {
   int along_focus;
 } line_scan;
 
-/* Return the length deviation of a gate at place i, % of the drawn length; NAN:
-   not printed. */
+/* Return the length deviation of a gate at condition i of the line, % of the
+   drawn length; NAN if the gate does not print. */
 static double gate_deviation(const line_scan *k, size_t i, size_t gate) {
   const window *w = k->w;
   size_t focus = k->along_focus ? i : k->focus;

@@ -120,7 +120,8 @@ static int cut_table(const window *w, opc_error *error) {
 /* ---- currents ---- */
 
 typedef struct performance_row {
-  double a, b; /* condition: defocus and dose, or mask error and length */
+  double a, b; /* condition: defocus and dose, mask error and length, or overlay
+                  in x and y */
   eda_spread p;
   int64_t failed, outside;
 } performance_row;

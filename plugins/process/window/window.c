@@ -155,9 +155,9 @@ static const opc_metric metrics[] = {
     {"depth_of_focus", "nm", OPC_HIGHER, 0.5,
      "range of foci within tolerance, at the dose nearest to 0 %"},
     {"nils_min", NULL, OPC_HIGHER, 0.001,
-     "smallest normalised image log slope of all gates and points"},
+     "smallest normalised image log slope of all gates and conditions"},
     {"failed_max", NULL, OPC_LOWER, 0,
-     "gates that are open or merged, at the worst point"},
+     "number of gates that are open or merged, at the worst condition"},
     {"ion_window", "%nm", OPC_HIGHER, 0.5,
      "area of dose and focus where all transistors meet ion_limit"},
     {"ioff_window", "%nm", OPC_HIGHER, 0.5,
@@ -166,17 +166,17 @@ static const opc_metric metrics[] = {
      "area of dose and focus where all transistors meet both limits"},
     {"ion_sd_max", "%", OPC_LOWER, 0.01,
      "standard deviation of Ion of the n- or the p-transistors, at the worst "
-     "point"},
+     "condition"},
     {"ion_worst", "%", OPC_LOWER, 0.01,
-     "largest |Ion deviation| of all points"},
+     "largest |Ion deviation| at all conditions"},
     {"leakage_max", NULL, OPC_LOWER, 0.01,
-     "ratio of total Ioff to drawn total Ioff, at the worst point"},
+     "ratio of total Ioff to drawn total Ioff, at the worst condition"},
     {"transistors_failed_max", NULL, OPC_LOWER, 0,
-     "transistors that do not print as one separate transistor, at the worst "
-     "point"},
+     "number of transistors that do not print as one separate transistor, at "
+     "the worst condition"},
     {"outside_max", NULL, OPC_LOWER, 0,
-     "transistors with results extrapolated beyond the device table, at the "
-     "worst point"},
+     "number of transistors with results extrapolated beyond the device table, "
+     "at the worst condition"},
     {"meef_mean", NULL, OPC_LOWER, 0.01,
      "mean mask error factor: printed length per mask length"},
     {"meef_max", NULL, OPC_LOWER, 0.01,

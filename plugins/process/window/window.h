@@ -9,8 +9,8 @@
 /* Simulated result at one condition; arrays by gate. */
 typedef struct window_print {
   eda_section *cuts;
-  double *ion, *ioff; /* ln of printed over drawn current; NAN: failed; NULL: no
-                         extractor */
+  double *ion, *ioff; /* ln of printed over drawn current; NAN if the gate
+                         failed. Without an extractor, both are NULL */
   eda_spread_sums sums;
   eda_spread spread; /* spread of the currents, from `sums` */
 } window_print;
@@ -20,7 +20,7 @@ typedef struct window {
   const eda_mask *mask; /* parameters */
   const eda_gates *as_drawn;
   const opc_module *litho, *resist;
-  const opc_module *extractor;  /* NULL: none */
+  const opc_module *extractor;  /* may be NULL */
   opc_reals dose, focus;        /* %, nm; increasing */
   opc_reals mask_error;         /* nm; increasing */
   opc_reals overlay[2];         /* of active along x and y, nm; increasing */
@@ -31,15 +31,17 @@ typedef struct window {
   int cut_lines;
   const char *file;
   const eda_gates *gates; /* measured gates */
-  const uint32_t *count;  /* [gates], transistors of a class; NULL: one each */
+  const uint32_t *count;  /* [gates], number of transistors that a gate
+                             represents (a class); NULL: 1 for each gate */
   size_t nominal_dose, nominal_focus; /* indices of the values nearest to 0 */
   window_print *print;                /* [focus][dose] */
   window_print *wrong;   /* [mask_error], at nominal dose and focus */
-  window_print *shifted; /* [overlays of window_overlays], the same */
-  double *low, *high;    /* range of doses within tolerance, %, per focus; NAN:
-                            none */
-  double depth_low, depth_high; /* range of foci within tolerance at the nominal
-                                   dose, nm; NAN: none */
+  window_print *shifted; /* [window_overlays], at nominal dose and focus */
+  double *low, *high; /* range of doses within tolerance, %, per focus; NAN if
+                         no dose is within tolerance */
+  /* Range of foci within tolerance at the nominal dose, nm; NAN if no focus is
+     within tolerance. */
+  double depth_low, depth_high;
 } window;
 
 static inline const window_print *window_at(const window *w, size_t focus,
@@ -52,9 +54,9 @@ typedef struct window_overlay {
   double x, y;
 } window_overlay;
 
-/* Return the number of overlays: combinations of the lists, in which a missing
-   list contains 0; 0 without lists. window_overlay_at: return overlay k; x
-   varies fastest. */
+/* Return the number of overlays: combinations of both lists, in which an empty
+   list counts as the single value 0. Return 0 if both lists are empty.
+   window_overlay_at: return overlay k; x varies fastest. */
 static inline size_t window_overlays(const window *w) {
   size_t x = w->overlay[0].count, y = w->overlay[1].count;
   return x && y ? x * y : x + y;
