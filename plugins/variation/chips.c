@@ -26,7 +26,7 @@ typedef struct lane_group {
   float length[LANES];  /* drawn, nm */
   float nominal[LANES]; /* equivalent length of Ion minus drawn, nm */
   int32_t curve[LANES]; /* position of the curve in curves.value */
-  int32_t rough[LANES]; /* position in circuit.rough, in numbers */
+  int32_t rough[LANES]; /* position in circuit.rough, in floats */
   float leakage[LANES]; /* drawn Ioff over the drawn total */
   float mean[2][LANES]; /* weight of Ion in the mean of a type */
   uint32_t gate[LANES];
@@ -209,7 +209,8 @@ static void moments_add(moments *m, const lane_group *g, const float *log,
 
 /* ---- chips ---- */
 
-/* Numbers of a stream: of the chip, then of each tile. */
+/* Return the scaled variable v of a chip at a tile. The first numbers of a
+   stream belong to the chip, the next to the tiles. */
 static double chip_draw(const circuit *c, const uint32_t stream[SOURCES],
                         uint64_t chip, int v, size_t tile) {
   int source = v < OVERLAY_X ? v : SOURCE_OVERLAY;
@@ -223,7 +224,7 @@ static double chip_draw(const circuit *c, const uint32_t stream[SOURCES],
     uint32_t number = k + (uint32_t)(t + 1) * VARIABLES;
     z += c->field[v] * mix * normal_at(c->seed, stream[source], chip, number);
   }
-  /* The standard deviations are over `range`, so that the ends are +-1. */
+  /* The variables are scaled, so that the ends of the range are +-1. */
   return fmin(1, fmax(-1, z));
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Simulations from which the surrogate is fitted. ¶ A focus or a mask
+/* Simulations from which the surrogate is fitted. A focus or a mask
    displacement of a layer requires an image; a dose or an overlay does not. The
    images of both layers are combined at random with each other, with doses and
    with overlays to points, at which the transistors are measured. Points for
@@ -16,14 +16,15 @@
 
 #include "variation.h"
 
-/* Images of poly and of active: of the first fit, of each refinement, of the
-   test, and at most. */
+/* Numbers of images of poly and of active: of the first fit, of each
+   refinement, of the test of the fit, and the largest number of all. */
 static const struct {
   size_t fit, more, test, most;
 } plan[2] = {{20, 6, 6, 40}, {14, 3, 4, 30}};
 
-/* Points of an image of poly: for each term of the surrogate there are about
-   three. Spread of the points of the fit, in standard deviations. */
+/* Numbers of points of each image of poly, in the fit and in the test. The fit
+   has about three points for each term of the surrogate. `spread`: standard
+   deviation of the points of the fit, relative to that of the distribution. */
 enum { POINTS_OF_IMAGE = 16, TESTS_OF_IMAGE = 8, LAYERS = 2 };
 static const double spread = 1.7;
 

@@ -8,8 +8,8 @@
 
 #include "variation.h"
 
-/* Distance of the lengths, nm: error of ln Ioff by linear interpolation 1e-3
-   where the logarithmic slope changes by 0.13 per nm. */
+/* Distance of the lengths, nm. Linear interpolation then has an error of 1e-3
+   of ln Ioff where the logarithmic slope changes by 0.13 per nm. */
 static const double grid = 0.25;
 
 /* Difference up to which curves are equal: rounding errors. */
@@ -33,7 +33,8 @@ void curves_clear(curves *c) {
   *c = (curves){0};
 }
 
-/* Extract copies of a gate with all slices of the length of each point. */
+/* Extract one copy of a gate for each length of the curve; all slices of a copy
+   have that length. */
 static int fill_gate(const curves *c, const opc_context *context,
                      const opc_module *extractor, const eda_slices *in,
                      size_t gate, eda_performance *out, opc_error *error) {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Effect of line-edge roughness on the currents of a gate. ¶ The current of a
+/* Effect of line-edge roughness on the currents of a gate. The current of a
    point of the width is a function of the length there. The edges change that
    length by a normally distributed amount. Expand the currents of two points in
    Hermite polynomials of the change, with the coefficients a[n] and b[n]. The
    mean is a[0]. The covariance is the sum of n! a[n] b[n] rho^n, where rho is
    the correlation of the lengths. Source: F. G. Mehler, J. reine angew. Math.
-   66, 161 (1866). ¶ The integral over pairs of points is the variance of the
+   66, 161 (1866). The integral over pairs of points is the variance of the
    current of the gate. The distribution is close to log-normal: L. F. Fenton,
    IRE Trans. Commun. Syst. 8, 57 (1960). */
 #include <eda/memory.h>

@@ -103,8 +103,8 @@ typedef struct fit {
   const gsl_vector *tau;
 } fit;
 
-/* Decompose the matrix of the terms at the points p with rows[p] != 0; NULL:
-   all. */
+/* Decompose the matrix of the terms at the points p with rows[p] != 0, or at
+   all points if `rows` is NULL. */
 static void terms_decompose(const surrogate *s, size_t points,
                             const double (*point)[VARIABLES],
                             const uint8_t *rows, gsl_matrix *qr,
@@ -143,8 +143,9 @@ static void fit_figures(const fit *f, size_t i, const uint8_t *rows, size_t n,
   gsl_vector_free(residual);
 }
 
-/* Fit a gate. A gate that has no figures at some points has a matrix of its
-   own. */
+/* Fit a gate. A gate that does not print at some points needs a separate
+   matrix. With fewer valid points than terms, the coefficients stay 0;
+   points_check rejects such gates. */
 static void fit_gate(void *data, size_t i) {
   const fit *f = data;
   const surrogate *s = f->s;

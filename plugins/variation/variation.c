@@ -71,7 +71,8 @@ static int variation_divide(variation *v, opc_error *error) {
 
 /* ---- work ---- */
 
-/* Return the gate with the nearest centre; i if there is no other. */
+/* Return the gate with the nearest centre, or i if the layout has only one
+   gate. */
 static uint32_t nearest_of(const eda_gates *g, size_t i) {
   size_t best = i;
   double least = INFINITY;

@@ -35,12 +35,13 @@ static const double variation_range = 4;
 
 /* Figures of a transistor, relative to drawn: equivalent lengths of Ion and
    Ioff, nm, ln W and ln area. The currents follow from the lengths and W by
-   curves (below): they are smooth functions of the variables, whereas Ioff is
-   not. */
+   curves (below), because the lengths and W are smooth functions of the
+   variables, whereas Ioff is not. */
 enum { LENGTH, LENGTH_OFF, WIDTH, AREA, FIGURES };
 
-/* A polynomial in the variables, each divided by the ends of its range. Term t
-   is the product over v of variable v to the power[t][v]. */
+/* A polynomial in the scaled variables. Each variable is divided by the end of
+   its range (variation_range standard deviations), so that the scaled range is
+   -1 to 1. Term t is the product over v of variable v to the power[t][v]. */
 typedef struct surrogate {
   size_t terms, gates;
   uint8_t (*power)[VARIABLES];
@@ -48,20 +49,20 @@ typedef struct surrogate {
 } surrogate;
 
 /* Set up the terms for the variables with used[v] != 0. The degree is 4 in the
-   variables of poly and in overlay, and 3 in those of active. Products of two
-   variables of different groups are terms, and of three of poly and overlay. */
+   variables of poly and in overlay, and 3 in those of active. Across these
+   groups, all products of degree 2 are terms, and products of degree 3 without
+   variables of active. */
 void surrogate_init(surrogate *s, const int used[VARIABLES], size_t gates);
 void surrogate_clear(surrogate *s);
 
-/* Write the values of all terms at a point; u: variables over the ends of their
-   range. */
+/* Write the values of all terms at a point; u: scaled variables. */
 void surrogate_features(const surrogate *s, const double u[VARIABLES],
                         double *out);
 
 /* Fit all figures by least squares (QR, GSL). `point`: [points][VARIABLES] as
-   `u`; `value`: [(point * FIGURES + figure) * gates + gate], NAN: the gate does
-   not print there. OPC_FAILED with fewer points than terms; the caller checks
-   the points of each gate. */
+   `u`; `value`: [(point * FIGURES + figure) * gates + gate], NAN if the gate
+   does not print at the point. Return OPC_FAILED if there are fewer points than
+   terms. The caller checks that each gate prints at enough points. */
 int surrogate_fit(surrogate *s, const opc_context *context, size_t points,
                   const double (*point)[VARIABLES], const float *value,
                   opc_error *error);
@@ -76,7 +77,7 @@ enum { ION, IOFF, CURRENTS };
 
 /* Currents of rectangular gates over length, on the lengths first + i * step,
    i < count: ln of (current per W, over the drawn current per drawn W). Gates
-   with equal curves share one. */
+   with equal curves share one curve. */
 typedef struct curves {
   double first, step;
   size_t count, gates, kinds;
@@ -84,7 +85,7 @@ typedef struct curves {
   float *value[CURRENTS]; /* [kind * count + i] */
 } curves;
 
-/* Allocate curves with one for each gate, for lengths from `low` to `high`. */
+/* Allocate one curve for each gate, for lengths from `low` to `high`. */
 void curves_init(curves *c, size_t gates, double low, double high);
 void curves_clear(curves *c);
 
@@ -96,7 +97,7 @@ int curves_fill(curves *c, const opc_context *context,
                 const eda_performance *drawn, const double *width,
                 opc_error *error);
 
-/* Replace equal curves by one. */
+/* Replace equal curves by one shared curve. */
 void curves_share(curves *c);
 
 /* Return the value at a length, interpolated linearly; at the nearest end
@@ -171,14 +172,15 @@ typedef struct circuit {
   const uint8_t *type;
   const uint32_t *neighbour; /* [gates], the nearest other gate */
   const double *ioff;        /* drawn, [gates] */
-  double global[VARIABLES];  /* standard deviations over `range` */
-  double field[VARIABLES];   /* of the part that varies in the field */
-  size_t tiles;              /* at least 1 */
-  const uint32_t *tile_of;   /* [gates], part of the layout that is
-                                small against the correlation length of
-                                the field; NULL: one tile */
-  const double *mix;         /* [tiles * tiles], lower triangle: the
-                                Cholesky factor of the correlation */
+  double global[VARIABLES];  /* standard deviations divided by the end of each
+                                range */
+  double field[VARIABLES]; /* the same for the part that varies in the field */
+  size_t tiles;            /* at least 1 */
+  const uint32_t *tile_of; /* [gates], part of the layout that is
+                              small against the correlation length of
+                              the field; NULL: one tile */
+  const double *mix;       /* [tiles * tiles], lower triangle: the
+                              Cholesky factor of the correlation */
   uint64_t seed;
 } circuit;
 
@@ -188,16 +190,17 @@ enum { CHIP_LEAKAGE, CHIP_ION_N, CHIP_ION_P, CHIP_LEAST, CHIP_MOST, CHIP };
 
 /* Sums over chips, for the moments of ln Ion and ln Ioff of a gate. */
 typedef struct moments {
-  double sum[2], square[2], cube[2], product; /* [current]; Ion times Ioff */
-  double neighbour;                           /* Ion times that of another */
+  double sum[2], square[2], cube[2]; /* [current] */
+  double product;                    /* ln Ion times ln Ioff */
+  double neighbour;                  /* ln Ion times ln Ion of the neighbour */
 } moments;
 
-/* Write the variables of a chip at a tile, over the ends of their ranges. */
+/* Write the scaled variables of a chip at a tile. */
 void circuit_variables(const circuit *c, const uint32_t stream[SOURCES],
                        uint64_t chip, size_t tile, double u[VARIABLES]);
 
 /* Sample chips `first` to first + count - 1. stream[s]: number of the stream of
-   source s. `chip`: [CHIP][count]. `moments`: [gates], NULL: none. */
+   source s. `chip`: [CHIP][count]. `moments`: [gates], or NULL. */
 int circuit_sample(const circuit *c, const uint32_t stream[SOURCES],
                    uint64_t first, size_t count, float *const chip[CHIP],
                    moments *moments, opc_error *error);
@@ -224,9 +227,10 @@ typedef struct share {
   double first, first_error, total, total_error;
 } share;
 
-/* Compute shares from values f of n chips: with the streams A and B for all
-   sources, and with the stream of one source from B. Saltelli et al., Comput.
-   Phys. Commun. 181, 259 (2010), table 2 (b), (f). */
+/* Compute the shares of one source from the values of a figure for n chips. All
+   sources have the streams A in `a` and the streams B in `b`. In `ab`, this
+   source has the stream B and all others have A. Saltelli et al., Comput. Phys.
+   Commun. 181, 259 (2010), table 2 (b), (f). */
 share share_of(const double *a, const double *b, const double *ab, size_t n);
 
 /* ---- the step ---- */

@@ -187,8 +187,8 @@ static void test_sample(void) {
   opc_test_module_free(loop);
 }
 
-/* A line end that barely covers the active leaks under overlay like no
-   polynomial: refused. */
+/* If a line end barely covers the active, the leakage under overlay is not a
+   polynomial: the step fails. */
 static void test_line_end(void) {
   opc_module *loop = module_make(
       "correct", "synthesizer: { use: synthesizer.dpb }, max_iterations: 0");
