@@ -170,11 +170,11 @@ static const opc_parameter parameters[] = {
                   .max = 1000,
                   .summary = "number of starts: the middle of all ranges, then "
                              "random values"),
-    OPC_PARAMETER(calibrate, folds, .type = OPC_INT,
-                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "5", .min = 0,
-                  .max = 1000,
-                  .summary = "number of parts of the gauges; each is predicted "
-                             "by a fit to the others. 0: no such fits"),
+    OPC_PARAMETER(
+        calibrate, folds, .type = OPC_INT, .flags = OPC_AT_LEAST | OPC_AT_MOST,
+        .preset = "5", .min = 0, .max = 1000,
+        .summary = "number of parts of the gauges; each part is predicted by a "
+                   "fit to the other parts. 0 or 1: no such fits"),
     OPC_PARAMETER(calibrate, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST,
                   .unit = "nm", .follows = "3.886 lambda/NA", .min = 0,
                   .summary = "clear field around the layout"),

@@ -9,7 +9,7 @@
    gauges of all other layers THRESHOLD. */
 enum { THRESHOLD, ACTIVE_THRESHOLD, DIFFUSION, DEFOCUS, BIAS, TERMS };
 
-/* Names of the parameters, and their units (NULL: none). */
+/* Names of the parameters, and their units (NULL for a number without unit). */
 extern const char *const term_name[TERMS], *const term_unit[TERMS];
 
 /* ---- gauges ---- */
@@ -39,7 +39,7 @@ typedef struct model {
   eda_model litho;
   size_t layers, nodes;
   double node[NODES]; /* defocus, nm */
-  eda_field *image;   /* [layers * nodes]; empty without gauges */
+  eda_field *image; /* [layers * nodes]; empty for layers without gauges */
   const gauge *gauges;
   size_t count;
 } model;
@@ -71,11 +71,11 @@ typedef struct fitted {
 
 typedef struct fitting {
   model *model;
-  double from[TERMS], to[TERMS]; /* equal: fixed */
+  double from[TERMS], to[TERMS]; /* range; equal if the parameter is fixed */
   uint8_t is_free[TERMS];
   double robust; /* Huber's constant, in standard deviations; INFINITY: least
                     squares */
-  uint8_t *use;  /* [gauges]: 0: left out */
+  uint8_t *use;  /* [gauges]: 0 for gauges that the fit leaves out */
   double *width, *weight; /* [gauges]: printed width, and robust weight of the
                              last fit */
 } fitting;

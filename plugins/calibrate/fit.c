@@ -12,8 +12,8 @@
 #include "calibrate.h"
 
 /* Step of central differences, in parts of a parameter's range. The noise of
-   printed widths, about 1e-5 nm, then changes a derivative by less than 1e-3
-   of those that matter. */
+   printed widths, about 1e-5 nm, then has little effect: less than 1e-3 of a
+   typical derivative. */
 static const double step = 1e-3;
 /* Distance from a bound, in parts of the range, at which a parameter counts as
    being at its bound. */
@@ -177,7 +177,8 @@ int fit_run(fitting *f, const double start[TERMS], fitted *out,
 
 /* ---- intervals ---- */
 
-/* Compute derivatives of the errors by parameter t, per range. */
+/* Compute derivatives of the errors by parameter t, per range of the parameter.
+ */
 static int fit_column(fitting *f, const fitted *at, size_t t, double *out,
                       opc_error *error) {
   size_t n = f->model->count;

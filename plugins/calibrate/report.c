@@ -132,8 +132,8 @@ static void report_findings(const calibrate *c, size_t *undetermined) {
   }
   if (open)
     c->host->log(c->host, OPC_LOG_FINDING,
-                 "the gauges do not determine %zu parameters; least determined "
-                 "is this direction, in parts of the ranges: %s",
+                 "the gauges do not determine %zu parameters; the least "
+                 "determined direction, in parts of the ranges, is %s",
                  open, weak);
 }
 
