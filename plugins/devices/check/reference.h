@@ -9,10 +9,10 @@
 enum { REFERENCE_SLICES = 1000 };
 
 /* An extractor for the currents of a table of several widths. Wide transistors
-   carry the current per width of the widest transistor. In narrow ones, the
-   edges of the active remove a strip from the channel. With this strip, the
-   current of a rectangle equals that of the table. If the edges add current,
-   the outermost slices are wider by as much. */
+   carry the current per width of the widest transistor. In narrow transistors,
+   the edges of the active remove a strip from the channel, so that the current
+   of a rectangle equals that of the table. If the edges add current, the
+   outermost slices are instead widened until they carry the added current. */
 typedef struct reference {
   const eda_curves *curves;
   double place[REFERENCE_SLICES], share[REFERENCE_SLICES];

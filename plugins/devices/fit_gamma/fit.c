@@ -14,8 +14,8 @@
 static const double least = 1, most = 300;
 /* Smallest amplitude: the current at the edge is a twentieth of that of a wide
    transistor. Rectangles whose edges carry no current fit best with a short
-   decay and an amplitude below -1, and as well with a longer decay and this
-   amplitude. */
+   decay and an amplitude below -1. With this amplitude and a longer decay, the
+   fit is equally good. */
 static const double least_amplitude = -0.95;
 enum { TRIALS = 60, CLOSE = 16, DECAYS = 12 };
 

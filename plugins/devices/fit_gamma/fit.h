@@ -14,7 +14,7 @@ typedef struct transistor {
   double width;   /* width of the active, nm */
   double *length; /* from one active edge to the other, nm */
   size_t lengths;
-  double current[EDA_CURRENTS]; /* A; NAN: not given */
+  double current[EDA_CURRENTS]; /* A; NAN if the reference has no value */
   /* Slices: distance from the nearer active edge, nm, and current without
      gamma, A. */
   double edge[REFERENCE_NODES], part[EDA_CURRENTS][REFERENCE_NODES];
@@ -58,5 +58,5 @@ int fit_table(const sample *s, const double *edge, size_t edges, fitted *out,
 void fitted_clear(fitted *f);
 
 /* Return the deviation of a transistor's sliced current from the known current,
-   %. f NULL: without gamma. */
+   %. If `f` is NULL, gamma is 1. */
 double fit_residual(const sample *s, size_t i, const fitted *f);

@@ -195,10 +195,10 @@ static const opc_parameter parameters[] = {
           "section of the library (default: the models outside of sections)")},
     {TEXT("osdi", OPC_FILE, osdi,
           "shared object of the compiled models that the library uses (OSDI)")},
-    {TEXT(
-         "ends", OPC_CHOICE, ends,
-         "treatment of lengths beyond the model: begin the table there; error; "
-         "use the outermost bins; extrapolate the currents by their slope"),
+    {TEXT("ends", OPC_CHOICE, ends,
+          "treatment of lengths shorter than the model permits. cut: omit "
+          "them; refuse: error; extend: use the outermost bins; slope: "
+          "extrapolate the currents by their slope"),
      .choices = "cut|refuse|extend|slope", .preset = "cut"},
     {TEXT("nmos", OPC_TEXT, model[EDA_NMOS],
           "name of the n-transistor's model, or subcircuit"),

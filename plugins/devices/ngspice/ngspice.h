@@ -39,12 +39,12 @@ typedef struct plan {
   opc_reals list;
   bias bias[QUANTITIES]; /* CGATE: final gate voltage of the swing */
   int with_cgate;
-  double reference_length, reference_width;    /* NAN: none */
-  const char *name, *file, *picture, *flavour; /* NULL: not given */
+  double reference_length, reference_width;    /* length NAN: no reference */
+  const char *name, *file, *picture, *flavour; /* may be NULL */
   double limit;                                /* time limit of the simulator,
                                                   s */
   char *path[TYPES];  /* absolute paths of the cards or the library */
-  eda_models *models; /* NULL: cards */
+  eda_models *models; /* NULL if model cards are used */
   size_t count;
   double *length; /* [count], increasing lengths */
   size_t widths;
@@ -59,9 +59,10 @@ typedef struct currents {
   size_t first;       /* first length of the table, index in plan.length */
   /* First length simulated at all widths; shorter lengths are extrapolated. */
   size_t simulated[TYPES];
-  size_t cut[TYPES][QUANTITIES]; /* first valid length logged so far; 0: all
-                                    valid */
-  double narrowest[TYPES]; /* nm; narrower widths are extrapolated; 0: none */
+  size_t cut[TYPES][QUANTITIES]; /* first valid length that a warning reported;
+                                    0 if no warning was logged */
+  double narrowest[TYPES]; /* nm; narrower widths are extrapolated; 0 if no
+                              width is extrapolated */
 } currents;
 
 /* Return the number of quantities. */

@@ -169,7 +169,8 @@ static void run_card(simulation_task *j) {
 
 /* ---- a library ---- */
 
-/* Return the first length with a bin; 0 if bins are extended. */
+/* Return the index of the first length with a bin; 0 if bins are extended or
+   the model has no bins. */
 static size_t first_modelled(const simulation_task *j) {
   const plan *p = j->p;
   eda_sizes bins;
@@ -281,8 +282,8 @@ static int must_rise(const simulation_task *j) {
          (j->current == EDA_ION && j->width + 1 == j->p->widths);
 }
 
-/* Return the fault of a current at length i compared with the next longer one;
-   NULL: none. */
+/* Return the fault of a current at length i compared with the next longer
+   length, or NULL if the current is valid. */
 static const char *current_fault(const simulation_task *j, size_t i) {
   const double *y = currents_of(j);
   if (i + j->done < j->p->count) return j->error.message;
@@ -308,8 +309,8 @@ static void length_describe(const simulation_task *j, double length,
 }
 
 /* Find the shortest length from which all longer lengths are valid. Return an
-   error if too few lengths are valid. *why: fault of the next shorter length;
-   NULL: none. */
+   error if too few lengths are valid. *why receives the fault of the next
+   shorter length, or NULL if all lengths are valid. */
 static int find_end(const simulation_task *j, size_t *first, const char **why,
                     opc_error *error) {
   enum { LEAST = 3 }; /* needed by the interpolation of extractors */
