@@ -97,7 +97,8 @@ int bench_forgive(bench *b, int state, int code, const opc_error *error) {
   if (code != OPC_FAILED || state != EDA_BEFORE) return code;
   if (b->has[state])
     b->host->log(b->host, OPC_LOG_WARNING,
-                 "the circuit as drawn has no results: %s", error->message);
+                 "the circuit printed before the correction has no results: %s",
+                 error->message);
   b->has[state] = 0;
   return OPC_OK;
 }

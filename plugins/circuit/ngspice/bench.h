@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Internal interface of circuit.ngspice. Times in s, voltages in V, currents in
-   A. */
+   A. A `state` is a set of transistor sizes: EDA_DRAWN, EDA_BEFORE or EDA_AFTER
+   (printed before or after the correction). */
 #pragma once
 
 #include <eda/netlist.h>
@@ -261,7 +262,8 @@ int delays_find(bench *b, const machine *m, const patterns *p, const logic *l,
                 delays *out, opc_error *error);
 
 /* Measure delay and slope in a transient from the input change at `begin` to
-   `end`. Return the time at which the output has settled; NAN: not settled. */
+   `end`. Return the time at which the output has settled, or NAN if the output
+   does not settle. */
 double arrival_measure(const bench *b, arrival *a, int state,
                        const eda_spice_plot *plot, double begin, double end);
 
@@ -294,14 +296,15 @@ typedef struct cell {
   uint32_t q, qb;   /* storage nodes; q has the smaller number */
   uint32_t devices; /* number of devices with a channel on either node */
   uint32_t device[CELL_DEVICES];
-  uint32_t accesses; /* access transistors, last in `device` */
+  uint32_t accesses; /* number of access transistors; they are last in
+                        `device` */
   int on_ports;      /* 1: the bit lines are ports */
 } cell;
 
 /* Find the pairs of cross-coupled inverters. */
 int cells_find(bench *b, cell **out, size_t *count, opc_error *error);
 
-/* Return a net on a feedback loop; -1: none. */
+/* Return a net on a feedback loop, or -1 if the circuit has no loop. */
 int64_t feedback_find(bench *b);
 
 /* ---- margin.c: static noise margins ---- */
@@ -334,8 +337,9 @@ int leakage_report(bench *b, const patterns *p, const logic *l,
 int margins_report(bench *b, const cell *cells, size_t count, const margins *m,
                    opc_error *error);
 
-/* Return the index of the largest delay deviation, rising or falling; -1:
-   none. */
+/* Return the index of the arrival with the largest delay deviation, rising or
+   falling; with drawn sizes only, with the largest delay. Return -1 if no
+   arrival was measured. */
 int64_t worst_arrival(const delays *d, const bench *b, int rises);
 /* Return the cell with the largest deviation, or, with drawn sizes only, the
    smallest margin. */

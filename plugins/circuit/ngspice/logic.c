@@ -14,6 +14,9 @@ enum { CHUNK = 64 }; /* number of patterns per process */
    currents (0.2 mA). A driven output keeps its level, a floating output does
    not. */
 static const double test_current = 5e-6;
+
+/* Smallest voltage of a high output under the test current, relative to the
+   supply. A low output has at most 1 - least_height. */
 static const double least_height = 0.75;
 
 /* Data shared by all jobs. */

@@ -490,7 +490,8 @@ static void test_before(void) {
   m->leq[0][0] = NAN;
   circuit_run(m, 1, card, "measure: auto");
   g_assert_nonnull(
-      strstr(opc_test_log(), "the circuit as drawn has no results"));
+      strstr(opc_test_log(),
+             "the circuit printed before the correction has no results"));
   g_assert_true(isnan(opc_test_metric("tp_worst_before")));
   g_assert_cmpfloat(opc_test_metric("tp_worst"), <, 1e-6);
   m->leq[0][0] = 2; /* the length is shorter than the simulator accepts */

@@ -4,7 +4,7 @@
    all nets connected to gates or outputs. No clock is assumed. A traversal is a
    transient that starts at power-up and changes one input at a time, along the
    shortest known path to an untried change. Traversals are run until all
-   changes are known (C. E. Shannon's maze-solving mouse). */
+   changes are known. */
 #include <glib.h>
 #include <math.h>
 #include <stdio.h>
@@ -192,7 +192,8 @@ static void map_publish(map *a) {
   a->m->next = (uint32_t *)a->next->data;
 }
 
-/* Return the state with these inputs and levels; add a new one if needed. */
+/* Return the index of the state with these inputs and levels; add the state if
+   it is new. */
 static uint32_t state_of(map *a, const uint8_t *bit, const int8_t *level) {
   const size_t inputs = a->b->inputs;
   machine *m = a->m;

@@ -83,7 +83,8 @@ void traversal_command(const machine *m, const traversal *w, FILE *out) {
 
 /* ---- recurrent states ---- */
 
-/* Mark all states that are reached from marked states, or lead to them. */
+/* Mark all states that are reached from marked states (`reached` 1) or that
+   lead to marked states (`reached` 0). */
 static void mark_all(const machine *m, size_t inputs, int reached,
                      uint8_t *mark) {
   for (int more = 1; more;) {
@@ -104,8 +105,8 @@ static int is_end(const machine *m, size_t inputs, size_t s) {
   return 1;
 }
 
-/* Replace the set of states by a strongly connected set that is reachable from
-   the set, until no other set is reachable. */
+/* Start with the state after power-up. Move to a state outside of the strongly
+   connected set of the present state, as long as such a state is reachable. */
 void states_leading_to(const bench *b, const machine *m, uint8_t *kept) {
   const size_t inputs = b->inputs;
   g_autofree uint8_t *before = g_new(uint8_t, m->states);
@@ -129,7 +130,7 @@ typedef struct pair {
 } pair;
 
 /* Find changes that lead two states to the same state, by breadth-first search.
-   Returns 0 if none are known. */
+   Return 0 if no such changes are known. */
 static int states_merge(const machine *m, size_t inputs, uint32_t s, uint32_t t,
                         GArray *sequence) {
   g_autoptr(GArray) queue = g_array_new(FALSE, FALSE, sizeof(pair));
@@ -155,7 +156,7 @@ static int states_merge(const machine *m, size_t inputs, uint32_t s, uint32_t t,
   return 0;
 }
 
-/* Apply a sequence of changes to each state of a set. Returns 0 if a transition
+/* Apply a sequence of changes to each state of a set. Return 0 if a transition
    is unknown. */
 static int go_on(const machine *m, size_t inputs, const GArray *sequence,
                  GArray *set) {
