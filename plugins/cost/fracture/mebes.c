@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the MEBES model. Rectangles are cut at the borders of stripes and
    segments. Positions along x do not depend on the row of the array. The size
-   is therefore the size of one row in one stripe, times the number of parts
-   into which the borders of stripes cut the rows. */
+   of all copies of a rectangle is therefore the size of one row of copies times
+   the number of stripes that the copies of all rows overlap. */
 #include "mebes.h"
 
 /* Sizes of records in bytes. */
