@@ -39,7 +39,7 @@ typedef struct model {
   eda_model litho;
   size_t layers, nodes;
   double node[NODES]; /* defocus, nm */
-  eda_field *image; /* [layers * nodes]; empty for layers without gauges */
+  eda_field *image;   /* [layers * nodes]; empty for layers without gauges */
   const gauge *gauges;
   size_t count;
 } model;

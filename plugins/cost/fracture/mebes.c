@@ -2,7 +2,7 @@
 /* Implements the MEBES model. Rectangles are cut at the borders of stripes and
    segments. Positions along x do not depend on the row of the array. The size
    of all copies of a rectangle is therefore the size of one row of copies times
-   the number of stripes that the copies of all rows overlap. */
+   the number of stripes that a row overlaps, summed over all rows. */
 #include "mebes.h"
 
 /* Sizes of records in bytes. */
