@@ -124,8 +124,8 @@ static void sites_measure(const eda_mask *m, site *out) {
   eda_printer_clear(&p);
 }
 
-/* Write the gauges with normal noise of 1 nm; every `bad`th has an error of 25
-   nm (0: none). */
+/* Write the gauges with normal noise of 1 nm; if `bad` is not 0, every `bad`th
+   gauge has an additional error of 25 nm. */
 static char *sites_write(const site *s, size_t n, uint64_t seed, size_t bad) {
   GString *text = g_string_new("layer,x (nm),y (nm),axis,width (nm),feature\n");
   for (size_t i = 0; i < n; i++) {

@@ -18,7 +18,7 @@ typedef struct slicer {
                             used only if contour_slice fails. */
   contour *contour;      /* NULL for other rules than `contour` */
   eda_curves curves;
-  contour_weight *weight; /* weight of a slice; NULL: all weights are 1 */
+  contour_weight *weight; /* weight of a slice; if NULL, all weights are 1 */
   double reach;           /* decay length of the edge current, nm */
 } slicer;
 

@@ -7,7 +7,7 @@
 typedef struct resist_drawn {
   double line, pitch; /* length of the shortest gate, and pitch, nm */
   size_t gates;       /* number of gates of length `line` */
-  size_t pitches;     /* number of pitches between such gates; 0: `pitch` is
+  size_t pitches;     /* number of pitches between such gates; if 0, `pitch` is
                          assumed */
   size_t equal;       /* number of pitches equal to `pitch` */
 } resist_drawn;

@@ -21,8 +21,8 @@ typedef struct descent {
   /* Return the deviation to be minimized of gate i, %; positive if L must
      increase. */
   double (*error)(const void *self, const eda_feedback *f, size_t i);
-  /* Return the first correction of the length of gate i, in grid steps; 0: one
-     step in the direction that reduces the deviation. */
+  /* Return the first correction of the length of gate i, in grid steps. 0 means
+     one step in the direction that reduces the deviation. */
   int32_t (*first)(const void *self, const eda_feedback *f, size_t i);
   const void *self; /* first argument of `error` and `first` */
 } descent;

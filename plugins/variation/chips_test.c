@@ -149,7 +149,8 @@ static void sample_free(sample *s) {
 static void test_linear(void) {
   enum { N = 60000 };
   model *m = model_new();
-  /* 3 nm per standard deviation of the dose, 4 of the overlay. */
+  /* L changes by 3 nm per standard deviation of the dose, and by 4 nm per
+     standard deviation of the overlay. */
   set_term(m, LENGTH, term_of(&m->s, POLY_DOSE, 1, -1, 0), 3 * 4);
   set_term(m, LENGTH_OFF, term_of(&m->s, POLY_DOSE, 1, -1, 0), 3 * 4);
   set_term(m, LENGTH, term_of(&m->s, OVERLAY_Y, 1, -1, 0), 4 * 4);
@@ -179,7 +180,7 @@ static void test_linear(void) {
     assert_near((one->neighbour / N - mean[0] * other) / (sd[0] * sd[0]),
                 global[0] / (global[0] + own[0]), 0.02);
   }
-  /* The mean of Ion of n over chips: a log-normal mean. */
+  /* The mean of Ion of n over chips is the mean of a log-normal number. */
   double variance = global[0] + own[0];
   statistics ion = statistics_of(s->chip[CHIP_ION_N], N);
   assert_near(ion.mean, exp(0.01 + variance / 2), 0.005);
@@ -189,7 +190,8 @@ static void test_linear(void) {
   model_free(m);
 }
 
-/* Quadratic and mixed terms: mean and variance of ln Ion of one gate. */
+/* Test the mean and variance of ln Ion of one gate with quadratic and mixed
+   terms. */
 static void test_quadratic(void) {
   enum { N = 60000 };
   model *m = model_new();
@@ -242,7 +244,7 @@ static void test_order(void) {
   model_free(m);
 }
 
-/* Two tiles with a correlation of 0.6 within the field. */
+/* Test two tiles with a correlation of 0.6 within the field. */
 static void test_tiles(void) {
   enum { N = 40000 };
   model *m = model_new();
@@ -272,7 +274,8 @@ static void test_tiles(void) {
   model_free(m);
 }
 
-/* Shares of the variance of x + 2 y + x z, with independent normal numbers. */
+/* Test the shares of the variance of x + 2 y + x z, with independent normal
+   numbers. */
 static void test_shares(void) {
   enum { N = 40000 };
   double *f[5];
@@ -300,8 +303,8 @@ static void test_shares(void) {
   for (int k = 0; k < 5; k++) free(f[k]);
 }
 
-/* Each end of the interval is the probability at which the binomial tail is 2.5
-   %. Quantiles of a known list. */
+/* Test that each end of the interval is the probability at which the binomial
+   tail is 2.5 %. Test the quantiles of a known list. */
 static void test_statistics(void) {
   interval i = interval_of(90, 100);
   double low = 0, high = 0;

@@ -178,7 +178,7 @@ typedef struct circuit {
   size_t tiles;            /* at least 1 */
   const uint32_t *tile_of; /* [gates], part of the layout that is
                               small against the correlation length of
-                              the field; NULL: one tile */
+                              the field; NULL if `tiles` is 1 */
   const double *mix;       /* [tiles * tiles], lower triangle: the
                               Cholesky factor of the correlation */
   uint64_t seed;

@@ -48,8 +48,7 @@ typedef struct bench {
   eda_mask sized;       /* copy of the mask with sizes from sizes_by_length */
   int has[EDA_STATES];  /* 1: this set of sizes is available */
   const char *cards[2]; /* absolute paths; [1] NULL: same as [0] */
-  char *statements;     /* model statements of the library; NULL: use
-                           cards */
+  char *statements;     /* model statements of the library; NULL with `cards` */
   int subcircuits;      /* 1: the models of the library are subcircuits */
   double unit;          /* unit of sizes in the library, nm */
   eda_card card[2];

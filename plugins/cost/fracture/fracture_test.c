@@ -272,9 +272,8 @@ static void test_shots(void) {
 
 enum { STRIPE = 1024, SEGMENT = 32768 };
 
-/* Count the records of the README's model one by one: for each segment, for
-   each stripe of the segment, and for each rectangle of each row with all
-   copies. */
+/* Count the records of the README's model in loops over segments, stripes, and
+   the rectangles of each row with all copies. */
 static int64_t mebes(const eda_box *boxes, size_t n, eda_box e, int columns,
                      int rows, int64_t px, int64_t py) {
   int64_t width = (int64_t)e.x1 - e.x0 + (columns - 1) * px, bytes = 2;
@@ -368,13 +367,11 @@ static void test_slivers(void) {
   count_as(none, mask, 1, extent, "{}");
   g_assert_cmpint(integer("rectangles", EDA_POLY), ==, 3);
   g_assert_cmpint(integer("slivers", EDA_POLY), ==, 0);
-  /* The rectangles are 65 x 200, 66 x 200, 67 x 400 and 66 x 200; a shot is at
-     most 250 nm long. */
+  /* Four rectangles; one is 67 x 400 and needs two shots of 250 nm. */
   g_assert_cmpint(integer("shots", EDA_POLY), ==, 5);
   count_as(none, mask, 1, extent, "{ sliver: 1 nm }");
   g_assert_cmpint(integer("rectangles", EDA_POLY), ==, 3);
-  /* The shape is narrower than the smallest width of a shot, but is written
-     completely. */
+  /* The shape is narrower than `sliver`, but written completely. */
   count_as(none, mask, 1, extent,
            "{ sliver: 1 um, max_shot: 10 nm, magnification: 10 }");
   g_assert_cmpint(integer("shots", EDA_POLY), ==, 65 * 1000 + 600 + 600);

@@ -32,7 +32,7 @@ typedef struct work {
   int n;
   chord chord[2][MOST]; /* horizontal, vertical */
   int chords[2];
-  int match[2][MOST]; /* partner of each chord; -1: none */
+  int match[2][MOST]; /* partner of each chord, or -1 */
   uint8_t seen[2][MOST];
   int32_t line[2][MOST]; /* sorted x of vertical edges, y of horizontal edges */
   int lines[2];

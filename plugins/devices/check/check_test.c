@@ -105,15 +105,15 @@ static void test_rectangles(void) {
 }
 
 /* Return the integral over a gate 200 nm wide with lengths from 60 to 70 nm,
-   without strips of this width at both edges. */
+   without a strip of the width `strip` at both edges. */
 static double slope_current(int off, double strip) {
   double decay = off ? 4 : 30, scale = off ? 1e-9 : 1e-6;
   double low = 60 + strip / 20 - 65, high = 70 - strip / 20 - 65;
   return scale * 20 * decay * (exp(-low / decay) - exp(-high / decay));
 }
 
-/* Test the reference for a gate with a slope; `strip` < 0: the edges add
-   current of the local length. */
+/* Test the reference for a gate with a slope. With a negative `strip`, the
+   edges add current that depends on the local length. */
 static void test_reference(void) {
   static double place[REFERENCE_SLICES][3];
   for (double strip = 5; strip >= -5; strip -= 10) {

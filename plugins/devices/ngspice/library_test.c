@@ -186,7 +186,7 @@ static void test_osdi(void) {
 /* Return the gate charge of a transistor driven from 0 to `supply` within 1 ns,
    divided by `supply`. In a transient, the `ngspice` command integrates the
    gate current on a capacitor of 1 fF, with the accuracy of charges. Leakage is
-   negligible. NAN: the command is missing. */
+   negligible. Return NAN if the command is missing. */
 static double charge(const char *models, const char *name, int type,
                      double length, double width, double supply) {
   double v = type ? -supply : supply;
@@ -283,7 +283,7 @@ enum { GATES = 40 };
 
 typedef struct process {
   const char *name, *library, *corner;
-  const char *osdi; /* NULL: none */
+  const char *osdi; /* may be NULL */
   const char *model[2], *flavour[2];
   double supply;               /* V */
   double unit;                 /* unit of sizes in the decks, nm */
@@ -332,7 +332,7 @@ static void make_gates(const process *p, gate gates[GATES]) {
 }
 
 /* Simulate one current of all gates with the `ngspice` command and the whole
-   library. If the command or the library is missing, skips the test and returns
+   library. If the command or the library is missing, skip the test and return
    0. */
 static int gates_simulate(const process *p, const gate gates[GATES],
                           int current, double out[GATES]) {

@@ -42,8 +42,8 @@ typedef struct transformation {
   /* Sums over vertical edges of the real and the imaginary part of their
      factors along y: [l >= 0][k]. Rows l and -l follow from both sums. */
   double complex *even, *odd;
-  /* Sums over slanted edges, [row][k] as in the result; NULL: no slanted
-     edges. */
+  /* Sums over slanted edges, [row][k] as in the result; NULL if no edge is
+     slanted. */
   double complex *rest;
 } transformation;
 

@@ -33,7 +33,7 @@ typedef struct cut {
                      error requires */
   double error;   /* measured error, relative to the clear field */
   kernels *kernels;
-  cache_entry *entry; /* entry of the kernel cache; NULL: kernels are owned */
+  cache_entry *entry; /* entry of the cache; NULL if the cut owns the kernels */
 } cut;
 
 typedef struct hopkins {

@@ -22,7 +22,7 @@ struct kernels {
   /* Use the n strongest kernels, or all if fewer exist. [main] */
   void (*keep)(kernels *self, size_t n);
   /* Free the data that only `keep` uses. After this call, `keep` must not be
-     called, and the optics and the context may be freed. NULL: not supported.
+     called, and the optics and the context may be freed. NULL if not supported.
      [main] */
   void (*settle)(kernels *self);
   /* Members of eda_kernels, with the kernels as `self`. [any] */
@@ -31,8 +31,8 @@ struct kernels {
   void (*filter)(const void *self, size_t residual, const double *fx, double fy,
                  size_t n, float *out);
   eda_mirrored (*mirror)(const void *self, size_t s); /* may be NULL */
-  /* Return the exact T(f1, f2) for frequencies in units of the cutoff. NULL: T
-     is known only as a sum of kernels. [any] */
+  /* Return the exact T(f1, f2) for frequencies in units of the cutoff. NULL if
+     T is known only as a sum of kernels. [any] */
   double (*cross)(const kernels *self, double x1, double y1, double x2,
                   double y2);
   void (*free)(kernels *self);

@@ -19,8 +19,8 @@ typedef struct model {
   const opc_host *host;
   const char *path[SETS]; /* files of the kernels in focus and out of focus; the
                              second may be NULL */
-  int64_t wanted;         /* number of kernels of each set; OPC_NO_INT: all */
-  double period, dose;    /* period, nm; factor on the intensity */
+  int64_t wanted;      /* number of kernels of each set; OPC_NO_INT for all */
+  double period, dose; /* period, nm; factor on the intensity */
   int dark_field;
   kernel_set set[SETS];
 } model;

@@ -31,8 +31,9 @@ typedef struct window {
   int cut_lines;
   const char *file;
   const eda_gates *gates; /* measured gates */
-  const uint32_t *count;  /* [gates], number of transistors that a gate
-                             represents (a class); NULL: 1 for each gate */
+  /* [gates], number of transistors that a gate represents (a class). If NULL,
+     each gate represents one transistor. */
+  const uint32_t *count;
   size_t nominal_dose, nominal_focus; /* indices of the values nearest to 0 */
   window_print *print;                /* [focus][dose] */
   window_print *wrong;   /* [mask_error], at nominal dose and focus */

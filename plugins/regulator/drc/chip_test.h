@@ -171,14 +171,15 @@ static inline double line_ends(const chip *c, double x, double y) {
   return fmax(fmin(low, y), fmin(fmin(x, 65 - x), y - 520));
 }
 
-/* Set the mask to that of the last ruling at the line end. */
+/* Displace the line end of the mask as the last ruling requires. */
 static inline void chip_follow(chip *c) {
   memcpy(c->moved, c->points, sizeof c->moved);
   c->moved[2].y = c->moved[3].y += c->end[1];
   c->mask[EDA_POLY].points = c->moved;
 }
 
-/* Return the width of the head beyond the line on each side; 0 for none. */
+/* Return the width of the head beyond the line on each side, or 0 without a
+   head. */
 static inline int32_t head_width(const chip *c) {
   if (!c->ruling.added[EDA_POLY].count) return 0;
   g_assert_cmpuint(c->ruling.added[EDA_POLY].count, ==, 1);

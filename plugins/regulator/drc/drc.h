@@ -42,8 +42,8 @@ enum {
 /* A place at which the printed image is checked. */
 typedef struct site {
   eda_box box;
-  int32_t gate;   /* nearest gate; -1: none */
-  int32_t repair; /* index in drc.repairs (SITE_GAP: drc.pairs); -1: none */
+  int32_t gate;   /* nearest gate, or -1 */
+  int32_t repair; /* index in drc.repairs (SITE_GAP: drc.pairs), or -1 */
   uint16_t layer;
   uint8_t kind;
   uint8_t sides;   /* bit set of checked sides (1 << LEFT and so on); SITE_GAP:
@@ -55,9 +55,9 @@ typedef struct site {
    widened part of a line end. Order: element 2 * i of drc.ends for the LOW end,
    2 * i + 1 for the HIGH end. */
 typedef struct line_end {
-  eda_box tip;      /* drawn edge of the line end, a box of height or width
-                       0 */
-  int side;         /* outward direction; -1: no line end */
+  eda_box tip; /* drawn edge of the line end, a box of height or width
+                  0 */
+  int side;    /* outward direction; -1 if the gate has no line end there */
   int32_t most, by; /* largest and present outward displacement */
   int32_t share;    /* displacement that uses half of the drawn space in
                        front of the line end */
@@ -82,13 +82,13 @@ typedef struct repair {
   int32_t limit[SIDES], grow[SIDES];
   uint8_t whole[SIDES]; /* 1: the segment is the entire edge */
   /* Active edges whose displacement by a gate's width displaces the corner at
-     each end of the segment; NULL: none. */
+     each end of the segment, or NULL. */
   const eda_fragment *corner[SIDES][2];
   uint32_t back[SIDES]; /* value of drc.round at the last reduction */
   double value[SIDES];  /* distance from the side outwards to the contour, nm */
   response response[SIDES];
   double flanked[SIDES]; /* `value` when the adjacent sides were last displaced
-                            for this side; 0: never */
+                            for this side; 0 if they were not displaced */
 } repair;
 
 /* A stretch of a drawn poly edge that is displaced inwards by a cut-out. */
@@ -144,8 +144,8 @@ typedef struct drc {
   size_t n_repairs, repairs_capacity;
   trim *trims;
   size_t n_trims, trims_capacity;
-  int32_t (*pairs)[2]; /* indices in `trims` of the two edges of a failed gap;
-                          -1: none */
+  int32_t (*pairs)[2]; /* indices in `trims` of the two edges of a failed gap,
+                          or -1 */
   size_t n_pairs, pairs_capacity;
   uint32_t round;         /* number of checked iterations */
   smoothings *smoothings; /* [layers], filled notches and removed bumps */

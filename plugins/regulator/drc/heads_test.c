@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests heads of line ends and desired extensions, with a printed image that
-   follows them. */
+   follows the heads and the line ends. */
 #include "chip_test.h"
 
 /* The printed extension of a line end grows by 0.7 nm per nm of length and by 3

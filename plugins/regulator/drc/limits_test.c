@@ -39,7 +39,8 @@ static void test_response(void) {
 
 /* Defaults follow wavelength / NA: at 248 nm, NA 0.7 the overlay is 0.039 *
    354.3 = 14 nm, the extension of a line end 28 nm, and the largest move 0.233
-   * 354.3 = 83 nm. At 193 nm, NA 0.75: 20 and 60 nm. */
+     354.3 = 83 nm. At 193 nm and NA 0.75, the extension is 20 nm and the
+   largest move 60 nm. */
 static void test_follows(void) {
   static const struct {
     eda_scanner scanner;
@@ -114,8 +115,9 @@ static double octagon(const chip *c, double x, double y) {
   return 80 - fabs(x - 60) - fabs(y - 70);
 }
 
-/* Return the level set of a half plane whose edge is 5 nm past the lower left
-   corner of a contact that is 10 nm away. */
+/* Return the level set of the half plane x + y < 285. Its edge is outside of
+   the contact whose lower left corner is (140, 150), but less than the overlay
+   away. */
 static double slope(const chip *c, double x, double y) {
   (void)c;
   return (285 - x - y) / sqrt(2);
@@ -224,7 +226,7 @@ static void test_before_gate(void) {
   }
 }
 
-/* Height of a waist of 20 nm in the line of a gate. */
+/* y of the middle of a waist, a part only 20 nm wide, in the line of a gate. */
 static double waist;
 static double waisted(const chip *c, double x, double y) {
   double half = fabs(y - waist) < 36 ? 10 : 32.5;

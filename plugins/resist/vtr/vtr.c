@@ -22,7 +22,7 @@ _Static_assert(PRODUCT + 1 == RESIST_TERMS, "all terms");
 typedef struct resist {
   resist_base base;
   local_settings local;
-  double given[RESIST_SETS][RESIST_TERMS]; /* NAN: not given */
+  double given[RESIST_SETS][RESIST_TERMS]; /* parameters; NAN if not given */
   int last[RESIST_SETS];  /* index of the last coefficient to fit; -1: not
                              given */
   int fixed[RESIST_SETS]; /* 1: nothing to calibrate */

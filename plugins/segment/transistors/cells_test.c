@@ -6,7 +6,8 @@
 
 /* ---- the cell library ---- */
 
-/* Return a reader with its layout; NULL, test skipped, without test data. */
+/* Return a reader with its layout. Without test data, skip the test and return
+   NULL. */
 static opc_module *read_gds(const char *name, double scale, void **layout) {
   g_autofree char *path = find_data(name);
   if (!path) return NULL;

@@ -17,7 +17,7 @@
 typedef struct dpb {
   const opc_host *host;
   double ion_limit;       /* % */
-  double init_adjust;     /* nm; 0: one step that reduces the error */
+  double init_adjust;     /* nm; 0 means one step that reduces the error */
   const char *table_path; /* NULL: init_adjust applies to all transistors */
   first_table table;
   double max_bias;  /* nm */

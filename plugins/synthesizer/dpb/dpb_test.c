@@ -17,11 +17,12 @@ typedef struct model {
   uint32_t veto[MOST]; /* the correction is vetoed at l >= this value; with
                           EDA_VETO_SHORTER at l <= this value */
   int32_t veto_from[MOST];
-  int32_t prints_from[MOST]; /* smallest l at which the line prints; 0: it
-                                prints at every l */
-  double width[MOST];        /* drawn width, nm; 0: 200 */
+  int32_t prints_from[MOST]; /* smallest l at which the line prints; with 0, the
+                                line prints at every l */
+  double width[MOST];        /* drawn width, nm; 0 means 200 */
   /* Effect of neighbours on the first transistor, %, from update `from`
-     onwards, repeated after `every` updates (0: once). */
+     onwards. If `every` is not 0, the effect is added again after each `every`
+     updates. */
   struct {
     double by;
     int from, every, most;

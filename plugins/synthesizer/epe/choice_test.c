@@ -67,8 +67,9 @@ static opc_module *drawing_begin(const char *parameters, const drawing *d,
   return m;
 }
 
-/* Between the fragments beside its corners, an edge has fragments of equal
-   length, closest to `fragment` and not shorter than min_edge. */
+/* The part of an edge between the fragments at both corners is divided into
+   fragments of equal length. The length is the closest possible to `fragment`,
+   and at least min_edge. */
 static void test_even(void) {
   for (int n = 0; n < 60; n++) {
     int32_t length = (int32_t)random_in(120, 900);
@@ -163,8 +164,7 @@ static void test_kept(void) {
       seen *e = &seen_at[k];
       g_assert_cmpint(k, <, ROUNDS);
       memcpy(e->shift, now, sizeof now);
-      /* Some fragments have large errors, all others small errors; and vice
-         versa. */
+      /* Even and odd fragments have errors of different size. */
       double off[2] = {random_in(0.6, 8), random_in(0.6, 8)};
       for (size_t i = 0; i < count; i++)
         e->epe[i] = off[i % 2] * (random_in(-1, 1) > 0 ? 1 : -1);
@@ -187,7 +187,8 @@ static void test_kept(void) {
     for (int g = 0; g < GATES; g++) {
       const char *want = verdict_of(&cuts, &seen_at[best], g);
       const char *got = s->verdict(m->self, (size_t)g);
-      /* The test does not compute the limits by mask rules. */
+      /* The test does not compute mask rules, so it expects the verdict "epe"
+         where the synthesizer reports "mask rule". */
       if (!g_str_equal(got, "mask rule")) g_assert_cmpstr(got, ==, want);
       if (g_str_equal(got, "mask rule")) g_assert_cmpstr("epe", ==, want);
       words |= 1 << want[0] % 32;

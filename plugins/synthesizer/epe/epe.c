@@ -44,7 +44,7 @@ typedef struct epe {
   double grid;
   size_t count; /* number of transistors */
   uint8_t *verdict;
-  double best;      /* smallest cost; INFINITY: none yet */
+  double best; /* smallest cost so far; INFINITY before the first iteration */
   double milestone; /* cost after the last decrease by the fraction
                        tuned.progress */
   int64_t reached;  /* iteration of `milestone` */

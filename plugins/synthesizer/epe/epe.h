@@ -23,7 +23,7 @@ typedef struct epe_fragment {
   eda_point from, to;
   uint32_t polygon, edge;  /* indices in the layer, in order */
   uint32_t previous, next; /* adjacent fragments of the polygon */
-  int32_t gate;            /* transistor that owns the fragment; -1: none */
+  int32_t gate;            /* transistor that owns the fragment, or -1 */
   uint8_t axis;            /* EDA_X, EDA_Y */
   int8_t sign;
   uint8_t corner; /* set of ends that are corners: EPE_FROM, EPE_TO */
@@ -49,7 +49,7 @@ typedef struct epe_run {
   uint32_t first, end;
   double weighted, length;  /* sums of wanted shift * length, and of length */
   int32_t low, high, shift; /* bounds and value of the shift */
-  int32_t before, after;    /* indices of the adjacent runs; -1: none */
+  int32_t before, after;    /* adjacent runs; -1 at an end of the edge */
 } epe_run;
 
 /* Two fragments and their smallest permitted distance, `limit`. The fragments
@@ -79,7 +79,7 @@ static inline double epe_within(double x, double low, double high) {
 typedef struct epe_layer {
   const opc_context *context;
   const epe_rules *rules;
-  size_t count; /* number of fragments; 0: the layer is not corrected */
+  size_t count; /* number of fragments; 0 if the layer is not corrected */
   epe_fragment *fragments;
   size_t polygons;
   uint32_t *start; /* [polygons + 1]: first fragment of each polygon */
@@ -103,7 +103,7 @@ typedef struct epe_layer {
                              only the sign is valid: that of the last measured
                              error or of the level set */
   double *error, *before; /* errors of the last and the previous simulation,
-                             grid steps; NAN: no edge near the site */
+                             grid steps; NAN if no edge is near the site */
   double *cost;           /* measured |EPE|, nm */
   int32_t *shift, *last;  /* shifts of the last and the previous simulation */
   int32_t *best;          /* shifts of the best iteration */

@@ -9,8 +9,8 @@
 
 /* ---- solved ---- */
 
-/* Return the mean shift of three fragments, with 2 nm of contour per nm of
-   shift. */
+/* Return an error of 8 nm plus 2 nm per nm of the mean shift of three adjacent
+   fragments. */
 static double coupled(const trial *t, size_t i) {
   return 8 + 2 *
                  (t->shift[fragment_before(t, i)] + t->shift[i] +
@@ -53,8 +53,9 @@ static void test_corners(void) {
   trial_clear(&t);
 }
 
-/* Return the error of a line that does not print and must grow, or of a merged
-   line that must shrink. */
+/* Return NAN (no edge) at shifts below 10, where the line does not print, and
+   above 25, where lines are merged; otherwise an error that is 0 at a shift of
+   16. */
 static double hidden(const trial *t, size_t i) {
   return t->shift[i] < 10   ? (double)NAN
          : t->shift[i] > 25 ? (double)NAN

@@ -12,7 +12,7 @@
 /* Distance from fragment a to fragment b, which is at larger coordinates. */
 typedef struct gap {
   double across; /* along the axis of both fragments */
-  double along;  /* between the nearest ends; <= 0: the fragments overlap */
+  double along;  /* between the nearest ends; at most 0 if they overlap */
 } gap;
 
 static gap gap_of(const epe_fragment *p, const int32_t *shift, uint32_t a,

@@ -32,7 +32,8 @@ static double vector_dot(const double *a, const double *b, size_t n) {
 typedef struct product {
   const epe_coupling *matrix;
   const double *in;
-  const double *gain; /* factor of each element of the result; NULL: 1 */
+  const double *gain; /* factor of each element of the result; if NULL, the
+                         factors are 1 */
   double *out;
 } product;
 

@@ -33,7 +33,7 @@ typedef struct transistor {
   /* In the variant CONTINUE: figures of the best state. */
   double best_eff, best_di, best_da;
   int32_t best_l, best_w;
-  int8_t moved;  /* last correction; -1: none */
+  int8_t moved;  /* last correction, or -1 */
   uint8_t tried; /* in the variant CONTINUE: bit set of the corrections of the
                     best state that failed */
   uint8_t ended; /* 1: no further correction */

@@ -17,11 +17,11 @@ typedef struct model {
   double bend;
   uint32_t veto; /* vetoes from |l| + |w| = veto_from on */
   int32_t veto_from;
-  int32_t prints_from; /* smallest l at which the line prints; 0: it prints at
-                          every l */
-  uint32_t lot;        /* seed of random deviations up to 2 % and of random
-                          vetoes; 0: none */
-  double width;        /* drawn width; 0: 200 */
+  int32_t prints_from; /* smallest l at which the line prints; with 0, the line
+                          prints at every l */
+  uint32_t lot; /* seed of random deviations up to 2 % and of random vetoes;
+                   with 0, the model has neither */
+  double width; /* drawn width; 0 means 200 */
   int32_t l, w;
   GString *trace; /* "l,w " after each update */
   int updates;
@@ -424,7 +424,7 @@ static void test_by_lot(void) {
       moved += abs(t.l) + abs(t.w) > 3;
       g_string_free(t.trace, TRUE);
     }
-  /* The verdicts within limit, bridging, bias limit and stalled all
+  /* The verdicts bridging and stalled, and one of within limit and bias limit,
      occurred. */
   g_assert_cmpint(words, ==, 1 << 'i' % 32 | 1 << 'r' % 32 | 1 << 't' % 32);
   g_assert_cmpint(moved, >, 100);

@@ -17,7 +17,7 @@ typedef struct model {
   double ioff[MOST], ioff_by_l, ioff_by_w;
   double leq_ion[MOST], leq_ioff[MOST]; /* equivalent lengths with the drawn
                                            mask */
-  double weq;                           /* printed width; 0: the drawn width */
+  double weq; /* printed width; 0 means the drawn width */
   int32_t l[MOST], w[MOST];
   GString *trace; /* "l,w " of the first transistor, appended after each
                      update */
