@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The acceptance test of <opcflow/testing.h>: corrects a NAND gate with a
-   plugin in a slot of the correction loop. The files are the samples of
-   kind.step. */
+/* Implements opc_test_corrects of <opcflow/testing.h>, the acceptance test of
+   plugins: corrects a NAND gate with a plugin in a slot of the correction loop.
+   The layout and the device table are sample files of kind.step. */
 #include <glib.h>
 #include <opcflow/kind.h>
 #include <opcflow/testing.h>
@@ -12,8 +12,10 @@ enum { MOST_ITERATIONS = 80 };
 /* Deviation, %, below which a drawn mask needs no correction. */
 static const double ion_limit = 0.5;
 
+/* Slots of the loop and their plugins, which the tested plugin replaces in its
+   slot. "%s" stands for the folder of the samples. */
 static const struct {
-  const char *slot, *plugin; /* %s: the folder of the samples */
+  const char *slot, *plugin;
 } slots[] = {
     {"litho", "{ use: litho.hopkins, na: 0.75, sigma: 0.75 }"},
     {"resist",

@@ -13,8 +13,9 @@ const eda_frame try_other_frame = {-1237, -1111, 2900, 3300};
 
 /* ---- reports ---- */
 
-/* Return whether the call was cancelled because the time limit of lint expired.
-   A high load of the machine may be the cause, so add a note, not a fault. */
+/* Return 1 if the call was cancelled because the time limit of `opcflow lint`
+   expired. The cause may be a high load of the machine, so this adds a note and
+   no fault. */
 static int was_stopped(opc_inspector *in, const char *what, int code) {
   if (code != OPC_CANCELLED || !opc_cancelled(in->context)) return 0;
   in->note(in, "%s: stopped after the time limit of lint", what);
@@ -156,11 +157,12 @@ void try_performance(const eda_gates *g, eda_performance *out) {
 
 /* ---- several callers at once ---- */
 
-/* Duration of the concurrent calls, s: allows thousands of fast calls, and some
-   dozen thread switches on a shared processor. Half of the duration misses rare
-   races on a busy machine. */
+/* Duration of the concurrent calls, s: sufficient for thousands of fast calls,
+   and for some dozen thread switches on a shared processor. With half of the
+   duration, rare races are not detected on a busy machine. */
 static const double moment = 0.2;
 
+/* Threads that call a task concurrently, and one of these threads. */
 typedef struct crowd {
   int (*task)(void *data, size_t i);
   void *data;

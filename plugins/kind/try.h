@@ -18,17 +18,18 @@ extern const eda_frame try_other_frame;
 int try_went_well(opc_inspector *in, const char *what, int code,
                   opc_error *error);
 
-/* A module for functions of the library that check results (eda_call_...). The
-   functions of `module` forward all calls to `plugin`, and store the code that
-   `plugin` returns in *code. */
+/* Instance of a module that forwards all calls to `plugin` and stores the code
+   that the plugin returns in *code. The module is passed to functions of the
+   library that check results (eda_call_...). */
 typedef struct try_shim {
   const opc_module *plugin;
   int *code;
 } try_shim;
 
-/* Return whether a call by such a function succeeded. `code` is the result of
-   the library, `own` that of the plugin. If both differ, the library rejected a
-   result. Report failures as try_went_well or try_is_sound does. */
+/* Return whether a call through a try_shim succeeded. `own` is the code that
+   the plugin returned, `code` that of the checking function. A failure of the
+   plugin is reported as by try_went_well, a result that the check rejects as by
+   try_is_sound. */
 int try_call(opc_inspector *in, const char *what, int own, int code,
              opc_error *error);
 
@@ -37,9 +38,10 @@ int try_call(opc_inspector *in, const char *what, int own, int code,
 int try_is_sound(opc_inspector *in, const char *what, int code,
                  const opc_error *error);
 
-/* Compute the spectrum of a drawn layer of the sample. A layer that is missing
-   in the sample has the shapes of poly; TRY_EMPTY: no shape; TRY_FULL: one
-   shape that covers the frame. Returns 0 and reports a fault on failure. */
+/* Compute the spectrum of a drawn layer of the sample up to the frequency
+   `band`, 1/nm. Layers that the sample lacks have the shapes of poly. TRY_EMPTY
+   is a mask without shapes, TRY_FULL a mask with one shape that covers the
+   frame. On failure, report a fault and return 0. */
 enum { TRY_EMPTY = -1, TRY_FULL = -2 };
 int try_mask(opc_inspector *in, int layer, const eda_frame *frame, double band,
              eda_spectrum *mask);
@@ -52,17 +54,19 @@ opc_module try_litho(const opc_inspector *in);
    free with eda_field_clear. Returns 0 and reports a fault on failure. */
 int try_print(opc_inspector *in, int layer, eda_field *intensity);
 
-/* Compute the level set of the image of try_print, positive in dark areas. */
+/* Compute the level set of the image of try_print for the threshold 0.3,
+   positive in dark areas. Return 0 and report a fault on failure. */
 int try_develop(opc_inspector *in, int layer, eda_field *print);
 
 /* Compute the performance of transistors printed as drawn: currents
    proportional to W / L. */
 void try_performance(const eda_gates *gates, eda_performance *out);
 
-/* Return whether task(data, i) returns 1 for each i below n, in repeated
-   concurrent calls, one thread per i. Tests functions tagged [any], whose
-   results must not depend on other callers. Only the first call in a process
-   tests; later calls return 1, because the test takes a fixed time. */
+/* Call task(data, i) repeatedly and concurrently, in one thread for each i
+   below n, and return whether all calls return 1. This tests functions marked
+   [any], whose results must not depend on other callers. The test takes a fixed
+   time; therefore only the first call of this function in a process tests, and
+   later calls return 1. */
 int try_at_once(size_t n, int (*task)(void *data, size_t i), void *data);
 
 /* Check a field returned by `function`, named `what`, against the frame. Adds

@@ -11,7 +11,8 @@
 
 /* ---- work: comparability ---- */
 
-/* Number of reasons in the message; the message counts further reasons. */
+/* Largest number of reasons in a message; the message states the number of
+   further reasons. */
 enum { LISTED = 5 };
 
 static int compare_refuse(const GPtrArray *why, opc_error *error) {
@@ -52,8 +53,8 @@ static int check_word(const char *word, opc_error *error) {
                   "'%s' must be 'worse' or 'worse:METRIC'", word);
 }
 
-/* Return why a row counts as worse: the metric is worse, or is missing in the
-   other run. NULL: not worse. */
+/* Return the fault of a row, for a message: "" if the metric is worse, " is
+   missing" if the other run lacks the metric, NULL if there is no fault. */
 static const char *fault_of(const metric_row *r) {
   if (r->verdict == WORSE) return "";
   return !isnan(r->base) && isnan(r->value) ? " is missing" : NULL;

@@ -87,10 +87,10 @@ static void test_verdicts(void) {
   g_assert_cmpfloat(opc_test_metric("differs"), ==, differs);
 }
 
-/* Transistors are paired by name in any order. Ion changes by -0.5 in four
-   cells of one transistor each, and by 1.5 and -0.5 in the cell e. The mean of
-   e is 0.5, so the range of the five cells contains zero. Ioff does not change.
-   Without e, four cells are too few. */
+/* Transistors are paired by name, in any order. Ion changes by -0.5 in four
+   cells of one transistor each, and by 1.5 and -0.5 in the cell e. The mean
+   change of e is 0.5, so the interval over the five cells contains zero. Ioff
+   does not change. Without e, there are too few cells for a verdict. */
 static void test_transistors(void) {
   static const char few[] =
       "a:1,n,65,100,0.5,4\r\nb:1,n,65,100,1.5,4\r\n"

@@ -96,8 +96,9 @@ static gboolean is_of(const char *folder, const char *name) {
                     strspn(rest + 1, "0123456789") == strlen(rest + 1));
 }
 
-/* Return the latest run of a variant (NULL: of the flow itself) in `runs`; NULL
-   if there is none. */
+/* Return the folder of the latest run of a variant in `runs`, or NULL if there
+   is none. Without `variant`, runs of the flow without a variant are searched.
+ */
 static char *latest_run(const char *name, const char *variant) {
   g_autofree char *whole =
       variant ? g_strdup_printf("%s-%s", name, variant) : g_strdup(name);
@@ -181,8 +182,9 @@ static int case_run(field *f, const opc_host *host, GHashTable *runs,
   return OPC_OK;
 }
 
-/* Pair each case of `others` with the run of the same case in `base`, by the
-   method `method` or, for NULL, by the same method. */
+/* Pair each run of `others` with the run of the same case in `base`. The method
+   of the base run is `method`; without `method`, it is the method of the other
+   run. */
 static int pair_cases(field *f, const opc_host *host, const eda_run_cases *base,
                       const eda_run_cases *others, const char *method,
                       opc_error *error) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pairs of runs to compare: a run and its base, for each case and method. */
+/* The runs to compare, in pairs: for each case and method, a run and the base
+   run to which it is compared. */
 #pragma once
 
 #include <eda/runs.h>
@@ -18,10 +19,10 @@ typedef struct field {
   GArray *pairs;     /* pair, sorted by case, then method */
   GPtrArray *runs;   /* eda_run *, all runs */
   GPtrArray *labels; /* char *, labels of the runs */
-  size_t cases, methods;
-  int experiment;
-  GPtrArray *owned; /* char * */
-  GPtrArray *lists; /* eda_run_cases * */
+  size_t cases, methods; /* numbers of cases and of methods in `pairs` */
+  int experiment;        /* 1: the arguments are experiments */
+  GPtrArray *owned;      /* char *, texts that are freed with the field */
+  GPtrArray *lists;      /* eda_run_cases *, the opened experiments */
 } field;
 
 /* Open the runs to compare. The arguments are one of:

@@ -113,8 +113,8 @@ static int by_choice(const void *a, const void *b, void *data) {
   if (c->sort == SORT_CHANGE)
     order = (row_relative(x) < row_relative(y)) -
             (row_relative(x) > row_relative(y));
-  /* In file order, rows are grouped by case; within a case, order_by_metric has
-     made rows of the same metric adjacent. */
+  /* In the order of the file, rows are grouped by case. `order` then puts rows
+     of the same metric together (order_by_metric). */
   if (!order && c->sort == SORT_FILE && !c->field.experiment)
     order = strcmp(x->name, y->name);
   return order ? order : (x->order > y->order) - (x->order < y->order);
@@ -216,8 +216,8 @@ static void finish_case(case_row *row) {
   row->high = m.high;
 }
 
-/* Return whether the metric differs in any case, or no case has finite values
-   of both runs. */
+/* Return 1 if the metric differs in a case, or if no case has finite values of
+   both runs. */
 static int is_changed(const case_row *row) {
   for (guint i = 0; i < row->changes->len; i++)
     if (g_array_index(row->changes, double, i) != 0) return 1;

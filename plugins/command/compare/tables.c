@@ -64,8 +64,9 @@ typedef struct parameter_row {
   const char *method, *name, *base, *value;
 } parameter_row;
 
-/* Return whether to list a parameter that one run lacks. Listed are steps,
-   plugins, and values given by the user. */
+/* Return 1 if the table lists a parameter that one run lacks. If the run lacks
+   the whole step, only the plugin of the step is listed; otherwise plugins of
+   slots and values given by the user. */
 static int is_shown(const eda_run *without, const eda_run_parameter *p) {
   g_autofree char *step =
       g_strdup_printf("%.*s.use", (int)strcspn(p->name, "."), p->name);
@@ -191,7 +192,7 @@ int verdicts_publish(comparison *c, opc_error *error) {
 typedef struct mask_row {
   const char *method, *layer;
   mask_difference d;
-  double shots_base, shots; /* NAN: unknown */
+  double shots_base, shots; /* NAN if a run has no table of costs */
 } mask_row;
 
 static eda_table *open_cost(eda_run *run) {
@@ -216,9 +217,10 @@ static const char *named_by(const eda_run *run, const char *start,
   return NULL;
 }
 
-/* Return the name of a layer. Sources: the parameters of the step that wrote
-   the mask; for the default numbers of the first two layers (eda_gates_number),
-   the table of costs; the parameters of any other step. NULL: unknown. */
+/* Return the name of a layer, or NULL. The name is searched in the parameters
+   of the step that wrote the mask. Then the default numbers of the first two
+   layers (see eda_gates_number) are searched in the table of costs. The
+   parameters of all other steps come last. */
 static const char *layer_name(eda_run *run, const char *step,
                               const mask_difference *d) {
   static const uint32_t numbers[] = {9, 1};

@@ -13,8 +13,8 @@ enum { BETTER, WORSE, SAME, DIFFERS, MISSING, VERDICTS };
 typedef struct comparison {
   const opc_host *host;
   int anyway, all, cases;
-  const char *chosen, *fail_on, *variant; /* words separated by commas; NULL:
-                                             none */
+  const char *chosen, *fail_on,
+      *variant; /* words separated by commas, or NULL */
   int sort;
   field field;
   GArray *rows;         /* metric_row, all selected metrics */
@@ -25,7 +25,9 @@ typedef struct comparison {
 /* Allocate an array of rows of a type; `data` is never NULL. */
 #define ROWS(type) g_array_sized_new(FALSE, FALSE, sizeof(type), 1)
 
-/* A metric of a pair. */
+/* A metric of a pair of runs. `better` is the better direction, `word` the
+   verdict as a word, `order` the order in which rows with equal keys are
+   sorted. */
 typedef struct metric_row {
   const char *name, *method, *metric, *unit, *better, *word;
   double tolerance, base, value, change;
@@ -33,7 +35,8 @@ typedef struct metric_row {
   size_t order;
 } metric_row;
 
-/* Statistic over all transistors in the pairs of a method. */
+/* Change of a figure (Ion, Ioff or area) of all transistors in the pairs of a
+   method. */
 typedef struct transistor_row {
   const char *method;
   eda_change c;

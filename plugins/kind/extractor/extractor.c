@@ -12,8 +12,9 @@
 
 enum { SLICES_MOST = 4096 };
 
-/* Printed shapes of the sample: the drawn lengths and widths times these
-   factors. Length 0: the gate did not print. */
+/* Cases of printed gates. In case c, the drawn lengths and widths of the sample
+   are multiplied by length_factor[c] and width_factor[c]. In the case OPEN the
+   length is 0: the gates do not print. */
 enum { CASES = 5, AS_DRAWN = 0, OPEN = 3, TWICE_AS_WIDE = 4, FIGURES = 12 };
 static const double length_factor[CASES] = {1, 0.8, 1.3, 0, 1};
 static const double width_factor[CASES] = {1, 1, 1, 1, 2};
@@ -24,8 +25,8 @@ static const double width_factor[CASES] = {1, 1, 1, 1, 2};
    the range. */
 static const double least_ion = 1e-8, most_ion = 1e-2;
 
-/* Plausible ratio of the currents of two gates, of which one is twice as wide.
-   Edge effects change the ratio. */
+/* Plausible ratio of the currents of two gates, one of which is twice as wide.
+   Edge effects cause the deviation from 2. */
 static const double least_gain = 1.4, most_gain = 3;
 
 /* ---- work ---- */
@@ -60,7 +61,7 @@ static void fill_slices(cases *all, size_t c, size_t n, const double *place,
                                 .edge = edge};
 }
 
-/* Return a performance whose arrays are in `figure`. */
+/* Return a performance of two gates whose arrays are parts of `figure`. */
 static eda_performance capacity_in(double *figure) {
   memset(figure, 0, FIGURES * sizeof *figure);
   return (eda_performance){.count = 2,
@@ -170,8 +171,8 @@ static void try_slices(opc_inspector *in, const opc_module *m, size_t n,
                 o->extract(m->self, &none, &nothing, &error), &error);
 }
 
-/* Return the length of a gate that is shorter towards the LOW side and ends
-   before the HIGH side. */
+/* Return the printed length at the relative position `place` across the width.
+   The gate is shorter towards the LOW side, and does not print above 0.95. */
 static double printed_length(const eda_printed_gate *gate, double place) {
   return place > 0.95 ? 0 : gate->design_length * (0.8 + 0.3 * place);
 }

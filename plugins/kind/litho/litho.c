@@ -18,12 +18,12 @@ static const double clear_tolerance = 0.02;
    slightly negative intensities; interference of partially coherent light
    raises the intensity, to at most 2 at an edge. */
 static const double darkest = -0.05, brightest = 3;
-/* Allowed change of the intensity by a change of the frame. The periodic copies
-   of the shapes are 1.5 um away. */
+/* Allowed difference between the intensities of the same mask in two frames.
+   The image is periodic, and the copies of the shapes are 1.5 um away. */
 static const double frame_tolerance = 0.05;
 
-/* Errors requested from image_fine, relative to the clear field, and the
-   additional difference of two images allowed for single precision. */
+/* Errors requested from image_fine, relative to the clear field. Two images may
+   differ by the sum of the errors and `rounding`, for single precision. */
 static const double coarse_error = 2e-3, fine_error = 5e-4, rounding = 2e-5;
 
 /* ---- calls ---- */
@@ -59,8 +59,8 @@ static void try_image(opc_inspector *in, const opc_module *m, int layer,
   eda_field_clear(&field);
 }
 
-/* Compute the intensity along a line through the transistors. Returns 0 on
-   failure. */
+/* Compute the intensity of a layer (see try_mask) at PLACES points of a line
+   through the transistors. Return 0 on failure. */
 enum { PLACES = 64 };
 
 static int spectrum_sample(opc_inspector *in, const opc_module *m, int layer,
@@ -161,7 +161,8 @@ static void try_fine(opc_inspector *in, const opc_module *m, int layer,
   eda_field_clear(&away);
 }
 
-/* Check that `image` accepts a mask spectrum by the model's transform. */
+/* Check the spectrum of a mask by the model's own transform, and that `image`
+   accepts the spectrum. */
 static void try_transform(opc_inspector *in, const opc_module *m) {
   const eda_litho *o = m->functions;
   const eda_gates *g = eda_gates_sample();
@@ -185,8 +186,8 @@ static void try_transform(opc_inspector *in, const opc_module *m) {
 
 /* ---- several callers ---- */
 
-/* The image of each layer by `image`, followed by the images by image_fine if
-   the model has this function. */
+/* Masks of the tested layers, and their images: those by `image`, then those by
+   `image_fine` if the model has this function. */
 typedef struct images {
   const opc_module *m;
   eda_spectrum mask[LAYERS];

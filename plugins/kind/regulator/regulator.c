@@ -9,7 +9,10 @@
 #include "../try.h"
 #include "templates.h"
 
-enum { GATES = 2, ROOM = 64 };
+enum {
+  GATES = 2, /* gates of the sample */
+  ROOM = 64  /* capacity of the list of violations */
+};
 
 /* ---- work ---- */
 
@@ -82,8 +85,8 @@ static void try_places(opc_inspector *in, const eda_gates *g,
   }
 }
 
-/* Return the number of violations; the list receives at most `most` of them. -1
-   on failure. */
+/* Return the number of violations, of which at most `most` are written to the
+   list, or -1 on failure. */
 static int64_t violations_call(opc_inspector *in, const opc_module *m,
                                const eda_printed *printed, eda_violation *list,
                                size_t most) {

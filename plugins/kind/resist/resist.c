@@ -33,7 +33,8 @@ static int print_call(opc_inspector *in, const opc_module *m, int layer,
   return try_call(in, "print", own, code, &error);
 }
 
-/* Return the level set of a constant field; NAN and a note on failure. */
+/* Return the level set of a field of constant intensity. On failure, return NAN
+   and report. */
 static double level_of(opc_inspector *in, const opc_module *m, double value) {
   eda_field field = {try_frame, NODES, NODES,
                      eda_alloc(NODES * NODES, sizeof(float))};

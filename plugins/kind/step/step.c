@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kind "step": sample files and input data for the tests of steps: the
-   transistors of eda_gates_sample as a layout, as gates and as a mask. The core
-   defines the functions of the kind. */
+/* Kind "step": sample files and input data for the tests of steps. The input
+   data are the transistors of eda_gates_sample as a layout, as gates and as a
+   mask. The kernel (core/) defines the functions of the kind. */
 #include <eda/layout.h>
 #include <opcflow/step.h>
 #include <stdlib.h>

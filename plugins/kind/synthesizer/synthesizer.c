@@ -8,10 +8,13 @@
 #include "../try.h"
 #include "templates.h"
 
-/* Number of iterations that no plausible loop exceeds, and number of gates. */
-enum { MOST_ROUNDS = 500, GATES = 2 };
+enum {
+  MOST_ROUNDS = 500, /* iterations after which the method must have ended */
+  GATES = 2          /* gates of the sample */
+};
 
-/* The fragments of each layer that the synthesizer defines. */
+/* The fragments that the synthesizer defines, [layers]: number, displacements
+   (grid steps), edge placement errors (nm), and assist features. */
 typedef struct fragments {
   size_t *count;
   int32_t **shift;
@@ -21,8 +24,9 @@ typedef struct fragments {
 
 /* ---- work ---- */
 
-/* Compute the performance of two transistors, printed 5 nm too long and 5 nm
-   too short. Currents are proportional to W / L. */
+/* Compute the performance of the two transistors for mask biases l and w. With
+   a bias of 0, the first prints 5 nm too long and the second 5 nm too short.
+   Currents are proportional to W / L. */
 static void print_gates(const eda_gates *g, const int32_t *l, const int32_t *w,
                         eda_performance *p) {
   for (size_t i = 0; i < g->count; i++) {
@@ -36,8 +40,8 @@ static void print_gates(const eda_gates *g, const int32_t *l, const int32_t *w,
   }
 }
 
-/* Compute edge placement errors, -6 or 6 nm plus the shift. In one iteration,
-   some edges do not print (NAN). */
+/* Compute edge placement errors: -6 or 6 nm plus the displacement of the
+   fragment. In iteration 3, some edges do not print (NAN). */
 static void print_fragments(const eda_gates *g, const fragments *f,
                             uint32_t iteration) {
   for (size_t k = 0; k < g->layers; k++)
@@ -85,8 +89,8 @@ static int forward_update(void *self, const eda_feedback *f, eda_moves *moves,
 
 static const eda_synthesizer forwards = {.update = forward_update};
 
-/* Run iterations until the synthesizer reports that it is done. The third
-   iteration has a veto, the fourth an open gate. */
+/* Run iterations until the synthesizer reports that it is done. Iteration 2 has
+   a veto, iteration 3 an open gate. */
 static int try_moves(opc_inspector *in, const opc_module *m, eda_feedback f,
                      eda_performance *printed, fragments *own) {
   const eda_gates *g = f.gates;
