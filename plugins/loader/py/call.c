@@ -9,11 +9,18 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <eda/memory.h>
+
 #include "private.h"
 
 /* Time for the start of the process, added to the limit of the first call, s:
    the import of NumPy takes 0.1 s, of PyTorch several seconds. */
 static const double start_limit = 60;
+
+enum {
+  MOST_FILES = 253
+}; /* descriptors in a message: the limit of Linux;
+      blocks of eda_alloc_shared are fewer */
 
 /* ---- requests ---- */
 
@@ -36,6 +43,31 @@ void py_set_number(JsonObject *object, const char *name, double value) {
 
 /* ---- shared memory ---- */
 
+/* Return the array `name` of the request: numbers of files. */
+static JsonArray *numbers(py_worker *w, const char *name) {
+  return json_object_get_array_member(w->request, name);
+}
+
+/* Send a file with the request, if the worker does not map it yet. */
+static void file_send(py_worker *w, uint64_t id, int file) {
+  for (guint i = 0; i < w->blocks->len; i++)
+    if (g_array_index(w->blocks, uint64_t, i) == id) return;
+  g_array_append_val(w->blocks, id);
+  g_array_append_val(w->files, file);
+  json_array_add_int_element(numbers(w, "files"), (gint64)id);
+}
+
+/* Let the worker close the files that exist no more: blocks that were freed or
+   renewed, and memory in which the worker keeps arrays. */
+static void files_drop(py_worker *w) {
+  for (guint i = w->blocks->len; i-- > 0;) {
+    uint64_t id = g_array_index(w->blocks, uint64_t, i);
+    if (id ? eda_shared_exists(id) : w->memory >= 0) continue;
+    json_array_add_int_element(numbers(w, "drop"), (gint64)id);
+    g_array_remove_index_fast(w->blocks, i);
+  }
+}
+
 /* Map `size` bytes of the memory; without memory, all later calls fail. */
 static void memory_map(py_worker *w, size_t size) {
   if (w->base) munmap(w->base, w->size);
@@ -52,7 +84,6 @@ static void memory_reserve(py_worker *w, size_t size) {
   enum { LEAST = 1 << 20 };
   if (w->memory < 0) {
     w->memory = memfd_create("opcflow-arrays", MFD_CLOEXEC);
-    w->is_sent = 0;
     w->size = 0;
   }
   if (size <= w->size) return;
@@ -71,21 +102,43 @@ static void memory_leave(py_worker *w) {
   w->size = 0;
 }
 
+/* Separate the arrays that the worker keeps after a call from those of the
+   caller, which will change. */
+static void arrays_leave(py_worker *w) {
+  JsonArray *kept = json_object_get_array_member(py_reply(w), "kept");
+  for (guint i = 0; i < json_array_get_length(kept); i++) {
+    uint64_t id = (uint64_t)json_array_get_int_element(kept, i);
+    if (id && !eda_shared_renew(id) && eda_shared_exists(id))
+      g_error("no memory for a copy of an array");
+  }
+}
+
+/* Return whether the worker keeps arrays in the memory of the last call. */
+static int memory_is_kept(py_worker *w) {
+  JsonArray *kept =
+      w->reply ? json_object_get_array_member(py_reply(w), "kept") : NULL;
+  for (guint i = 0; kept && i < json_array_get_length(kept); i++)
+    if (!json_array_get_int_element(kept, i)) return 1;
+  return 0;
+}
+
 void py_request(py_worker *w, const char *call) {
-  if (w->reply &&
-      json_object_get_boolean_member_with_default(py_reply(w), "kept", FALSE))
-    memory_leave(w);
+  if (memory_is_kept(w)) memory_leave(w);
   if (w->request) json_object_unref(w->request);
   w->request = json_object_new();
   json_object_set_string_member(w->request, "call", call);
+  json_object_set_array_member(w->request, "files", json_array_new());
+  json_object_set_array_member(w->request, "drop", json_array_new());
+  g_array_set_size(w->files, 0);
+  files_drop(w);
   (void)py_object(w->request, "values");
   w->used = 0;
 }
 
 static size_t type_size(const char *type) { return (size_t)(type[1] - '0'); }
 
-/* Return the description of an array, {"array": [type, offset, count, width]};
-   NULL if the object has no array of this name. */
+/* Return the description of an array, {"array": [type, offset, count, width,
+   number of the file]}; NULL if the object has no array of this name. */
 static JsonArray *array_about(JsonObject *from, const char *name) {
   JsonNode *node = json_object_get_member(from, name);
   return node && JSON_NODE_HOLDS_OBJECT(node)
@@ -99,18 +152,25 @@ void py_add_array(py_worker *w, JsonObject *to, const char *name,
   enum { ALIGN = 64 };
   size_t at = (w->used + ALIGN - 1) / ALIGN * ALIGN;
   size_t bytes = count * MAX(width, 1) * type_size(type);
+  eda_shared place = {0};
   if (bytes && !data) {
     json_object_set_null_member(to, name);
     return;
   }
-  memory_reserve(w, at + bytes);
-  if (bytes) memcpy(w->base + at, data, bytes);
-  w->used = at + bytes;
+  if (bytes >= EDA_SHARED && eda_shared_find(data, bytes, &place)) {
+    file_send(w, place.id, place.file);
+    at = place.offset;
+  } else {
+    memory_reserve(w, at + bytes);
+    if (bytes) memcpy(w->base + at, data, bytes);
+    w->used = at + bytes;
+  }
   JsonArray *about = json_array_new();
   json_array_add_string_element(about, type);
   json_array_add_int_element(about, (gint64)at);
   json_array_add_int_element(about, (gint64)count);
   json_array_add_int_element(about, (gint64)width);
+  json_array_add_int_element(about, (gint64)place.id);
   json_object_set_array_member(py_object(to, name), "array", about);
 }
 
@@ -125,7 +185,8 @@ void py_get_array(const py_worker *w, JsonObject *from, const char *name,
                   void *to) {
   JsonArray *about = array_about(from, name);
   size_t bytes = about ? array_bytes(about) : 0;
-  if (bytes) memcpy(to, w->base + json_array_get_int_element(about, 1), bytes);
+  if (!bytes || json_array_get_int_element(about, 4)) return; /* in place */
+  memcpy(to, w->base + json_array_get_int_element(about, 1), bytes);
 }
 
 const void *py_new_array(const py_worker *w, const char *name, const char *type,
@@ -202,26 +263,26 @@ static int worker_raised(const opc_host *host, JsonObject *fault,
 
 /* ---- messages ---- */
 
-/* Send a text, with the descriptor of the memory if the worker lacks it. */
+/* Send a text, with the descriptors in w->files. */
 static int message_send(py_worker *w, const char *text, size_t size) {
   union {
     struct cmsghdr header;
-    char space[CMSG_SPACE(sizeof(int))];
-  } control = {.header = {.cmsg_len = CMSG_LEN(sizeof(int)),
-                          .cmsg_level = SOL_SOCKET,
-                          .cmsg_type = SCM_RIGHTS}};
+    char space[CMSG_SPACE(MOST_FILES * sizeof(int))];
+  } control = {.header = {.cmsg_level = SOL_SOCKET, .cmsg_type = SCM_RIGHTS}};
   while (size) {
     struct iovec part = {(void *)text, size};
     struct msghdr m = {.msg_iov = &part, .msg_iovlen = 1};
-    if (w->memory >= 0 && !w->is_sent) {
-      memcpy(CMSG_DATA(&control.header), &w->memory, sizeof w->memory);
+    size_t files = w->files->len * sizeof(int);
+    if (files) {
+      memcpy(CMSG_DATA(&control.header), w->files->data, files);
+      control.header.cmsg_len = CMSG_LEN(files);
       m.msg_control = &control;
-      m.msg_controllen = sizeof control;
+      m.msg_controllen = CMSG_SPACE(files);
     }
     ssize_t n = sendmsg(w->socket, &m, MSG_NOSIGNAL);
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) return 0;
-    w->is_sent = w->memory >= 0;
+    g_array_set_size(w->files, 0);
     text += n;
     size -= (size_t)n;
   }
@@ -330,6 +391,7 @@ int py_call(py_worker *w, const opc_host *host, double limit, py_answer *answer,
     return opc_fail(error, OPC_FAILED, NULL,
                     "the Python process belongs to another process");
   memory_reserve(w, 1);
+  file_send(w, 0, w->memory);
   json_object_set_int_member(w->request, "size", (gint64)w->size);
   json_object_set_int_member(w->request, "used", (gint64)w->used);
   int code = object_send(w, w->request)
@@ -339,6 +401,7 @@ int py_call(py_worker *w, const opc_host *host, double limit, py_answer *answer,
   g_autofree char *log = py_worker_log(w);
   worker_report(host, OPC_LOG_INFO, log);
   JsonObject *o = py_reply(w);
+  arrays_leave(w);
   call_remap(w);
   return json_object_has_member(o, "error")
              ? worker_raised(host, json_object_get_object_member(o, "error"),

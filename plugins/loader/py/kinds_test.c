@@ -3,6 +3,8 @@
    plugin receives them, and results as the caller receives them. */
 #include "py_test.h"
 
+#include <eda/memory.h>
+
 static const char extractor[] =
     "class Formula(Extractor):\n"
     "    \"\"\"Current in proportion to W / L\"\"\"\n"
@@ -57,6 +59,63 @@ static void test_extractor(void) {
   g_assert_nonnull(
       strstr(error.message, "index 1 is out of bounds for axis 1"));
   eda_performance_clear(&out);
+}
+
+static const char sums[] =
+    "class Sums(Extractor):\n"
+    "    \"\"\"Sums of two slices\"\"\"\n"
+    "    keep = boolean('keep the arrays', preset=False)\n"
+    "    kept = None\n"
+    "    def slicing(self): return [0.25, 0.75], [0.5, 0.5]\n"
+    "    def extract(self, s, out):\n"
+    "        if self.keep and self.kept is None:\n"
+    "            self.kept = s.width, s.width.copy(), out.ion\n"
+    "        if self.kept and self.keep:\n"
+    "            assert (self.kept[0] == self.kept[1]).all()\n"
+    "            assert self.kept[2][0] in (0, 3)\n"
+    "        assert not s.width.flags.writeable\n"
+    "        with open('/proc/self/maps') as f: files = f.read()\n"
+    "        assert files.count('opcflow-block') == 7 or self.keep\n"
+    "        out.ion[:2] = s.width[:2].sum(axis=1)\n"
+    "        out.area[-1] = s.edge[-1, 1]\n";
+
+enum { MANY = 200000 };
+
+/* Large arrays of eda_alloc_shared are not copied. Arrays that the plugin keeps
+   retain their values; freed arrays are not mapped any more. */
+static void shared_extract(const char *parameters, int calls) {
+  g_autoptr(opc_module) m = make("extractor.sums", parameters);
+  const eda_extractor *e = m->functions;
+  opc_error error = {0};
+  const uint8_t *type = eda_alloc_shared(MANY, 1);
+  g_assert_cmpint(e->prepare(m->self, &error), ==, OPC_OK);
+  for (int i = 0; i < calls; i++) {
+    double *data = eda_alloc_shared(6 * (size_t)MANY, sizeof *data);
+    eda_performance out;
+    eda_performance_init(&out, MANY);
+    const eda_slices in = {.count = MANY,
+                           .slices = 2,
+                           .type = type,
+                           .width = data,
+                           .length = data + 2 * (size_t)MANY,
+                           .edge = data + 4 * (size_t)MANY};
+    for (int k = 1; k < 4; k++) {
+      data[0] = k, data[1] = 2, data[6 * (size_t)MANY - 1] = 10 * i + k;
+      if (e->extract(m->self, &in, &out, &error))
+        g_assert_cmpstr(error.message, ==, "");
+      g_assert_true(out.ion[0] == k + 2 && out.area[MANY - 1] == 10 * i + k);
+    }
+    eda_performance_clear(&out);
+    eda_free(data);
+  }
+  eda_free((void *)type);
+}
+
+static void test_shared(void) {
+  if (is_skipped()) return;
+  write_plugin("extractor.sums", sums);
+  shared_extract("{}", 3);
+  shared_extract("{ keep: true }", 3);
 }
 
 static const char resist[] =
@@ -245,6 +304,7 @@ static void test_regulator(void) {
 int main(int argc, char **argv) {
   set_up(argc, argv);
   g_test_add_func("/loader.py/kinds/extractor", test_extractor);
+  g_test_add_func("/loader.py/kinds/shared", test_shared);
   g_test_add_func("/loader.py/kinds/resist", test_resist);
   g_test_add_func("/loader.py/kinds/litho", test_litho);
   g_test_add_func("/loader.py/kinds/regulator", test_regulator);

@@ -14,7 +14,9 @@ struct py_worker {
   int socket, alive, log, memory; /* descriptors; -1: none */
   char *base;                     /* mapped memory of `size` bytes */
   size_t size, used;
-  int is_sent;         /* 1: the worker has the descriptor of `memory` */
+  GArray *blocks;      /* uint64_t: numbers of the files that the worker maps:
+                          eda_shared.id, 0 for `memory` */
+  GArray *files;       /* int: descriptors to send with the request */
   JsonObject *request; /* call, values, arrays */
   GString *input;      /* bytes after the last message */
   JsonNode *reply;

@@ -140,6 +140,8 @@ py_worker *py_worker_start(const char *path, const char *id, const char *python,
   w->host = getpid();
   w->socket = w->alive = w->log = w->memory = -1;
   w->input = g_string_new(NULL);
+  w->blocks = g_array_new(FALSE, FALSE, sizeof(uint64_t));
+  w->files = g_array_new(FALSE, FALSE, sizeof(int));
   return worker_run(w, package, whole, python, error);
 }
 
@@ -178,6 +180,8 @@ void py_worker_free(py_worker *w) {
   if (w->request) json_object_unref(w->request);
   if (w->reply) json_node_unref(w->reply);
   g_string_free(w->input, TRUE);
+  g_array_free(w->blocks, TRUE);
+  g_array_free(w->files, TRUE);
   g_free(w->id);
   g_free(w);
 }

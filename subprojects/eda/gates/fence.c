@@ -109,7 +109,7 @@ void *fence_new(size_t count, size_t size, const void *from) {
   size_t bytes = count * size;
   fence *f = fence_has_pages() ? paged_new(bytes) : NULL;
   if (!f) {
-    f = eda_alloc(1, sizeof *f + bytes + FENCE);
+    f = eda_alloc_shared(1, sizeof *f + bytes + FENCE);
     memset((char *)(f + 1) + bytes, WORD, FENCE);
   }
   memset(f->words, WORD, sizeof f->words);
@@ -123,7 +123,7 @@ void fence_free(void *array) {
   if (f && f->paged)
     paged_retire(f);
   else
-    free(f);
+    eda_free(f);
 }
 
 static int is_whole(const char *words, size_t n) {

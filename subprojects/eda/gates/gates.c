@@ -105,8 +105,9 @@ enum {
 
 void eda_performance_init(eda_performance *p, size_t n) {
   p->count = n;
-  for (int k = 0; k < FIGURES; k++) (&p->ion)[k] = eda_alloc(n, sizeof(double));
-  p->outside = eda_alloc(n, sizeof *p->outside);
+  for (int k = 0; k < FIGURES; k++)
+    (&p->ion)[k] = eda_alloc_shared(n, sizeof(double));
+  p->outside = eda_alloc_shared(n, sizeof *p->outside);
 }
 
 void eda_performance_copy(eda_performance *to, const eda_performance *from) {
@@ -127,8 +128,8 @@ void eda_performance_one(eda_performance *to, const eda_performance *from,
 }
 
 void eda_performance_clear(eda_performance *p) {
-  for (int k = 0; k < FIGURES; k++) free((&p->ion)[k]);
-  free(p->outside);
+  for (int k = 0; k < FIGURES; k++) eda_free((&p->ion)[k]);
+  eda_free(p->outside);
   *p = (eda_performance){0};
 }
 

@@ -2,8 +2,8 @@
 """Data that plugins receive. Fields have the names and units of the structs of the library eda,
 which the headers eda/gates.h, eda/synthesizer.h, eda/regulator.h and eda/extractor.h document.
 
-Gates and parameters stay valid. All other arrays are in memory that the host shares: they keep
-their contents after the call only if the plugin keeps a reference.
+All arrays are in memory that the host shares. Arrays that a plugin keeps after a call do not
+change later. Only the arrays of the arguments CHANGED can be written.
 """
 import numpy as np
 
@@ -14,6 +14,7 @@ OPEN = 1              # flag of a transistor whose poly does not print
 PARTS = 18            # parts of a gate
 END = 1 << 20         # end of the fragments of a gate
 
+CHANGED = ("moves", "ruling", "out", "image")  # arguments whose arrays a plugin changes
 TYPES = {"f8": np.float64, "f4": np.float32, "i4": np.int32, "u4": np.uint32, "u1": np.uint8}
 
 
@@ -63,16 +64,18 @@ class Spectrum(Record):
         return np.abs(np.fft.ifft2(field) * field.size) ** 2
 
 
-def decode(value, array):
-    """Return the data of a request: records of values and arrays; array(type, offset, count,
-    width) returns an array."""
+def decode(value, array, writable):
+    """Return the data of a request: records of values and arrays. array(type, offset, count,
+    width, file) returns an array, which the plugin can change if `writable`."""
     if isinstance(value, list):
-        return [decode(v, array) for v in value]
+        return [decode(v, array, writable) for v in value]
     if not isinstance(value, dict):
         return value
     if "array" in value:
-        return array(*value["array"])
-    fields = {name: decode(v, array) for name, v in value.items()}
+        found = array(*value["array"])
+        found.flags.writeable = writable
+        return found
+    fields = {name: decode(v, array, writable) for name, v in value.items()}
     return (Shapes if "hole" in fields else Spectrum if "spectrum" in fields
             else Record)(**fields)
 

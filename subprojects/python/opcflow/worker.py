@@ -14,7 +14,7 @@ import traceback
 
 import numpy as np
 
-from .data import TYPES, copied, decode
+from .data import CHANGED, TYPES, copied, decode
 from .plugins import Plugin
 
 TALK, LIFE = 3, 4
@@ -56,65 +56,77 @@ def sources(path):
 
 
 class Memory:
-    """Memory that the host shares; arrays are views without a copy."""
+    """Files in memory that the host shares, by number: 0 for the arrays of a call, others for
+    arrays of the host. Arrays are views without a copy."""
 
     def __init__(self):
-        self.file, self.map, self.idle = -1, None, 0
+        self.file, self.maps = -1, {}
+        self.former = []  # mappings of file 0 that were too small for new arrays of the call
 
-    def open(self, size, file=None):
-        """Map `size` bytes of a new file or, if larger than before, of the present one."""
-        if file is not None:
-            if self.file >= 0:
-                os.close(self.file)
-            self.file, self.map = file, None
-        if self.map is None or len(self.map) < size:
-            self.map = mmap.mmap(self.file, size)
-            self.idle = sys.getrefcount(self.map)
+    def open(self, size, drop, numbers, files):
+        """Close the files `drop`; map new files, and at least `size` bytes of file 0."""
+        for number in drop:
+            self.maps.pop(number)
+        for number, file in zip(numbers, files):
+            self.maps[number] = mmap.mmap(file, 0)
+            if number:
+                os.close(file)
+            else:
+                self.file, old = file, self.file
+                os.close(old) if old >= 0 else None
+        if len(self.maps[0]) < size:
+            self.former.append(self.maps[0])
+            self.maps[0] = mmap.mmap(self.file, size)
 
-    def array(self, type, offset, count, width):
+    def array(self, type, offset, count, width, number):
         """Return an array of `count` rows; width 0: of one dimension."""
         size = count * max(width, 1)
-        array = np.frombuffer(self.map, TYPES[type], size, offset) if size \
+        array = np.frombuffer(self.maps[number], TYPES[type], size, offset) if size \
             else np.zeros(0, TYPES[type])
         return array.reshape(count, width) if width else array
 
-    def is_kept(self):
-        """Return whether an array still refers to the memory."""
-        return sys.getrefcount(self.map) > self.idle
+    def kept(self):
+        """Return the numbers of the files to which an array still refers."""
+        idle = 2  # references: that of the container, and the argument of getrefcount
+        found = {n for n in self.maps if sys.getrefcount(self.maps[n]) > idle}
+        while self.former:
+            if sys.getrefcount(self.former[-1]) > idle:
+                found.add(0)
+            self.former.pop()
+        return sorted(found)
 
     def add(self, array, used):
         """Append an array after `used` bytes. Returns its description, and the bytes used."""
         type = {"f4": "f4", "i4": "i4"}.get(array.dtype.str[1:], "f8")
         used = (used + 63) // 64 * 64
         size = used + array.size * TYPES[type]().nbytes
-        if size > len(self.map):
+        if size > len(self.maps[0]):
             os.ftruncate(self.file, 2 * size)
-            self.map = None
-            self.open(2 * size)
+            self.open(2 * size, (), (), ())
         if array.size:
-            np.frombuffer(self.map, TYPES[type], array.size, used)[:] = array.ravel()
+            np.frombuffer(self.maps[0], TYPES[type], array.size, used)[:] = array.ravel()
         return {"array": [type, used, array.size, 0]}, size
 
 
 class Channel:
-    """Lines of JSON on the socket, with the descriptor of new shared memory."""
+    """Lines of JSON on the socket, with the descriptors of files in memory."""
 
     def __init__(self, memory):
         self.socket = socket.socket(fileno=TALK)
         self.memory, self.input = memory, b""
 
     def receive(self):
-        """Return the next message, and the descriptor of new memory or None."""
-        file = None
+        """Return the next message, and the descriptors that it brings."""
+        files = []
         parts = [self.input]
         while b"\n" not in parts[-1]:
-            part, files, _, _ = socket.recv_fds(self.socket, 1 << 16, 1)
+            part, new, _, _ = socket.recv_fds(self.socket, 1 << 16, 253)
             if not part:
                 os._exit(0)
-            file = files[0] if files else file
+            files += new
             parts.append(part)
         line, self.input = b"".join(parts).split(b"\n", 1)
-        return json.loads(line), file
+        return json.loads(line), files
 
     def send(self, message):
         self.socket.sendall(json.dumps(message).encode() + b"\n")
@@ -152,7 +164,7 @@ def call(request, plugin, path, memory):
         return {**type(plugin).describe(), "files": sources(path), "python": sys.executable}
     values = request["values"]
     plugin.set_parameters(values.pop("parameters", {}))
-    values = {name: decode(v, memory.array) for name, v in values.items()}
+    values = {name: decode(v, memory.array, name in CHANGED) for name, v in values.items()}
     for name in ("gates", "scanner"):
         if name in values:
             setattr(plugin, name, copied(values.pop(name)))
@@ -168,8 +180,8 @@ def serve(path, channel, memory, make):
     """Answer requests until the host closes the socket."""
     plugin = None
     while True:
-        request, file = channel.receive()
-        memory.open(request["size"], file)
+        request, files = channel.receive()
+        memory.open(request["size"], request["drop"], request["files"], files)
         try:
             if plugin is None:
                 plugin = make()()
@@ -177,7 +189,7 @@ def serve(path, channel, memory, make):
             reply = {"values": call(request, plugin, path, memory)}
         except (Exception, KeyboardInterrupt) as error:
             reply = {"error": fault(path, error)}
-        reply["kept"] = memory.is_kept()
+        reply["kept"] = memory.kept()
         sys.stdout.flush()
         sys.stderr.flush()
         channel.send(reply)

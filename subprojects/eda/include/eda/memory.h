@@ -10,6 +10,38 @@ OPC_C_BEGIN
    free with free(). If memory is exhausted, the program aborts. [any] */
 OPC_EXPORT void *eda_alloc(size_t count, size_t size);
 
+/* Return zeroed memory as eda_alloc does; free with eda_free. Memory of at
+   least EDA_SHARED bytes is a file in memory (memfd), which other processes can
+   map instead of receiving copies; with more than 128 such blocks, and without
+   descriptors, memory of eda_alloc. [any] */
+enum { EDA_SHARED = 1 << 18 };
+OPC_EXPORT void *eda_alloc_shared(size_t count, size_t size);
+OPC_EXPORT void eda_free(void *memory); /* NULL: do nothing */
+
+/* Place of data in a block of eda_alloc_shared. The block has the number `id`,
+   unique in the process, and `size` bytes; `file` is the descriptor of its
+   file, owned by the library. The data begin `offset` bytes behind the start.
+ */
+typedef struct eda_shared {
+  uint64_t id;
+  int file;
+  size_t size, offset;
+} eda_shared;
+
+/* Find the block that contains `bytes` bytes from `data` on. Returns 1 and sets
+ *place, or 0 if no block does. [any] */
+OPC_EXPORT int eda_shared_find(const void *data, size_t bytes,
+                               eda_shared *place);
+
+/* Return whether the block `id` exists. [any] */
+OPC_EXPORT int eda_shared_exists(uint64_t id);
+
+/* Move the block `id` to a new file with a new number; address and contents do
+   not change. Processes that map the former file keep the former contents. No
+   thread may write to the block meanwhile. Returns 0 if there is no block `id`
+   or no memory. */
+OPC_EXPORT int eda_shared_renew(uint64_t id);
+
 /* Enlarge *array (the address of a pointer) to a capacity of at least `need`
    elements of `size` bytes, and at least 1.5 times the old capacity; set
    *capacity. New elements are not zeroed. Free with free(). [any] */
