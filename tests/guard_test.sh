@@ -47,6 +47,10 @@ report() { # RESULT NAME
 }
 
 for method in pb dpb ic epe newton; do
+  if [ "$1" = sanitized ] && [ $method != newton ]; then
+    report 0 "with $method, each worse transistor has a reason # SKIP sanitized, other tests run this code"
+    continue
+  fi
   result=0
   for layout in "$sram" "$chain"; do
     correct $method "$layout" --set mask.guard=on || { result=1; continue; }
