@@ -18,8 +18,9 @@ static const double finest =
 enum { NARROW_STEPS = 1 << 13 };
 static const double narrow_finest =
     1.0 / 8; /* step of `quick` for narrow widths, nm */
-/* Smallest |slope| of an extrapolation, 1/nm. Lengths remain distinguishable
-   even if the current does not fall at the end of the table. */
+/* Smallest |slope| of an extrapolation, 1/nm. The extrapolated current
+   therefore falls with length even if the current at the end of the table does
+   not. */
 static const double least_slope = 1e-4;
 
 /* Limits of extrapolation. least_part and most_part: fractions of the shortest
@@ -29,7 +30,8 @@ static const double least_part = 0.25, most_part = 4, most_change = 20;
 /* The slope of an extrapolation is limited to within the factor `freedom` of
    the mean slope over the outermost tenth of the lengths. In tables from PTM
    and FreePDK45 cards, the slope of the last step is 0.65 to 1.4 times the
-   mean. For Ioff of a nearly vanished channel, the ratio is 0.3. */
+   mean. For Ioff at the shortest lengths, where the channel nearly vanishes,
+   the ratio is 0.3. */
 static const double freedom = 2, outermost = 0.1;
 
 enum { LOW, HIGH };
@@ -119,6 +121,8 @@ static width_text of_width_text(const eda_devices *d, double width) {
   return out;
 }
 
+/* Set a curve from the currents per width at the lengths of the table. `must`:
+   1: fail if the current does not fall with length. */
 static int set_curve(const eda_curves *c, struct eda_curve *curve,
                      const double *current, double width, int must,
                      const char *path, opc_error *error) {

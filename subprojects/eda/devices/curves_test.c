@@ -182,7 +182,8 @@ static void test_widths(void) {
     assert_same(eda_curves_least_share(&c, 0, EDA_ION, &w), least, 2e-2);
     assert_same(eda_curves_least_share(&c, 0, EDA_IOFF, &w), 1, 1e-12);
   }
-  /* Smaller and larger widths use the nearest width. */
+  /* Widths outside the table have the current per width of the nearest width.
+   */
   eda_curves_width w = eda_curves_among(&c, 90);
   assert_same(eda_curves_narrow_at(&c, 0, 0, 55, &w), made_up(0, 0, 55, 200),
               1e-9);

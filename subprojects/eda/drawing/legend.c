@@ -35,7 +35,7 @@ void eda_text(const eda_paper *p, double x, double baseline, int place,
   g_autofree char *line = text_fit(p, text, width);
   cairo_move_to(p->cairo, x - width_of(p, line) * place / 2, baseline);
   cairo_show_text(p->cairo, line);
-  cairo_new_path(p->cairo); /* the current point must not begin a line */
+  cairo_new_path(p->cairo); /* otherwise the next line would start here */
 }
 
 double eda_heading(const eda_paper *p, double top, const char *text) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Removal of holes, which layout formats do not have. Each hole is assigned to
-   the enclosing outline. Outlines with holes are fractured into rectangles. */
+/* Removal of holes, because layout formats have only polygons without holes.
+   Each hole is assigned to the enclosing outline. Outlines with holes are
+   fractured into rectangles. */
 #include <eda/formats.h>
 #include <eda/memory.h>
 #include <stdlib.h>

@@ -22,7 +22,7 @@ int eda_layer_number_read(const char *text, uint32_t most,
   return 1;
 }
 
-/* The numbers are those of FreePDK45; metal1 is 11. */
+/* The numbers are those of FreePDK45, in which metal1 has the number 11. */
 uint32_t eda_gates_number(const eda_gates *gates, size_t layer) {
   if (layer == EDA_POLY) return 9;
   if (layer == EDA_ACTIVE) return 1;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Division of polygons with too many points. Clip the polygon at a vertical and
-   at a horizontal line near the median of the points. Keep the clip whose
-   larger part has fewer points, and repeat with both parts. Clipping preserves
-   winding numbers on both sides of the line, so self-intersecting polygons are
-   allowed. */
+/* Division of polygons with too many points. The polygon is divided in two by a
+   vertical line, and alternatively by a horizontal line, near the median of its
+   points. The division whose larger part has fewer points is used, and both
+   parts are divided further. Clipping at a line preserves the winding numbers
+   on both sides, so self-intersecting polygons are allowed. */
 #include <eda/formats.h>
 #include <eda/memory.h>
 #include <math.h>

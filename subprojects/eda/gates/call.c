@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Calls of extractors, resists, synthesizers and regulators. A plugin writes to
-   copies between guard words. The host reads the data behind the plugin's
-   pointers before the call ends, so that a crash is attributed to the
-   plugin. */
+   copies between guard words. Data to which the plugin's pointers refer are
+   read before opc_leave, so that a crash by an invalid pointer is attributed to
+   the plugin. */
 #include <eda/check.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -115,11 +115,12 @@ int eda_call_print(const opc_context *context, const opc_module *resist,
 
 /* ---- moves ---- */
 
-/* Return array i of the moves and write the length of the array to *n: first
-   the arrays of gates, then the shifts of each layer. Return NULL if the moves
-   do not have this array. */
+/* Number of arrays of eda_moves with one int32_t for each gate. */
 enum { OF_GATES = 4 };
 
+/* Return array i of the moves and write the length of the array to *n: first
+   the OF_GATES arrays of gates, then the shifts of each layer. Return NULL if
+   the moves do not have this array. */
 static int32_t *array_of(const eda_moves *m, const eda_gates *gates,
                          const size_t *fragments, size_t i, size_t *n) {
   int32_t *const first[] = {m->l, m->w, m->jog, m->aside};

@@ -114,7 +114,8 @@ static void test_find(void) {
   g_assert_true(eda_chip_find(&t.chip, t.gate[0].box) == SIZE_MAX);
 }
 
-/* Return the displacement of the edge at `at` from the LOW end by the parts. */
+/* Return the displacement by all parts that contain the position `at`, in grid
+   steps from the LOW end. */
 static int32_t by_at(const eda_part *part, int n, int32_t at) {
   int32_t by = 0;
   for (int k = 0; k < n; k++)

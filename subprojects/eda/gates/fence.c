@@ -174,7 +174,8 @@ static int loan_end(const float *values) {
   return found;
 }
 
-/* Free values for eda_values_free if they are lent. */
+/* Free values that are lent, and return 1; return 0 for other values. For
+   eda_values_take. */
 static int loan_take(float *values) {
   if (!loan_end(values)) return 0;
   fence_free(values);

@@ -106,7 +106,8 @@ static void measure_width(eda_gate *g) {
 }
 
 /* Return the extension of the printed poly beyond the printed active on `side`,
-   nm. Negative: the poly ends within the active. */
+   nm; negative if the poly ends within the active; INFINITY if the drawn poly
+   continues or no end is found. */
 static double measure_extension(eda_gate *g, int side) {
   double drawn = g->drawn_extension[side], out = side ? 1 : -1;
   double edge = side ? g->to : g->from;
@@ -158,7 +159,8 @@ static size_t find_known(const eda_gate *g, double place, size_t from) {
   return g->known;
 }
 
-/* Return at most EDA_GATE_LENGTHS lengths; measure only places that are new. */
+/* Compute n <= EDA_GATE_LENGTHS lengths; measure only at places that were not
+   measured before. */
 static void some_lengths(eda_gate *g, size_t n, const double *place,
                          double *length) {
   size_t m = 0, k = 0, which[EDA_GATE_LENGTHS];

@@ -7,17 +7,19 @@
 
 enum { EDA_GATE_LENGTHS = 256 };
 
-/* A gate in coordinates [0] along L and [1] along W, nm. */
+/* A gate. Coordinates are in nm; array index 0 is the direction along L, 1 the
+   direction along W. */
 typedef struct eda_gate {
   eda_printed_gate
       shown; /* part that extractors see; must be the first member */
-  const eda_field *poly, *active;
-  int axis[2];
-  double low[2], high[2], middle[2]; /* drawn edges */
+  const eda_field *poly, *active;    /* level sets */
+  int axis[2];                       /* EDA_X or EDA_Y */
+  double low[2], high[2], middle[2]; /* drawn edges, and the middle between */
+  /* eda_gates.space and eda_gates.extension of both sides of the gate */
   const double *space, *drawn_extension;
-  double from, to; /* edges of the printed active along W */
-  double extension[2];
-  uint32_t flags;
+  double from, to;     /* edges of the printed active along W */
+  double extension[2]; /* of the printed poly, as eda_printed_gate.extension */
+  uint32_t flags;      /* EDA_PRINT_* */
   /* Lengths already measured, by fraction of the width. */
   size_t known;
   double place[EDA_GATE_LENGTHS], length[EDA_GATE_LENGTHS];

@@ -54,7 +54,8 @@ static void move_count(stream *s, size_t *count) {
 
 /* ---- a mask ---- */
 
-/* The last element of `start` is the number of points. */
+/* Read or write polygons: `start` first, whose last element is the number of
+   points. */
 static void move_shapes(stream *s, eda_shapes *shapes) {
   move_count(s, &shapes->count);
   if (!s->writing && shapes->count > s->left) s->failed = 1;
@@ -164,7 +165,8 @@ static void move_chip(stream *s, eda_chip *c) {
   move_array(s, &c->box, c->boxes, sizeof *c->box);
 }
 
-/* Read or write the sizes of the gates of classes, which are not rounded. */
+/* Read or write the arrays of the gates of classes that do not follow from the
+   chip: lengths and widths (not rounded to the grid), spaces and extensions. */
 static void move_sizes(stream *s, eda_gates *g) {
   stream_move(s, g->length, g->count * sizeof *g->length);
   stream_move(s, g->width, g->count * sizeof *g->width);

@@ -129,8 +129,9 @@ static void performance_strike(eda_performance *p, size_t i) {
   p->weq[i] = p->area[i] = p->outside[i] = 0;
 }
 
-/* Set figures from flags, and flags from figures: gates that are no transistors
-   have no performance; gates outside the model's range have a flag. */
+/* Zero the figures of gates whose poly is open or whose active is missing. Set
+   the flag EDA_PRINT_OUTSIDE of all other gates whose figures are beyond the
+   range of the device table. */
 static void performance_settle(eda_performance *p, uint32_t *flags) {
   for (size_t i = 0; i < p->count; i++)
     if (flags[i] & (EDA_PRINT_OPEN | EDA_PRINT_NO_ACTIVE))

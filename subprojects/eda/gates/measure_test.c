@@ -133,8 +133,8 @@ static void test_extension(void) {
   g_assert_true(r.flags & EDA_PRINT_OPEN); /* the outer slices are open */
 }
 
-/* Figures beyond the device table are flagged. Figures of a gate that is no
-   transistor are 0, whatever the extractor returns. */
+/* Figures beyond the device table are flagged. All figures of an open gate are
+   0, even if the extractor returns other values. */
 static void test_figures(void) {
   for (beyond_table = 0; beyond_table < 2; beyond_table++) {
     uint32_t mark = beyond_table ? EDA_PRINT_OUTSIDE : 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Conversion of lengths in units of the scanner (such as 0.3 lambda/NA) to
-   nm. */
+/* Conversion of lengths given in multiples of wavelength / NA, such as "0.3
+   lambda/NA", to nm. */
 #include <eda/litho.h>
 #include <eda/natural.h>
 #include <math.h>

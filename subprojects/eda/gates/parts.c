@@ -7,8 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Area of a strip, nm^2, and its smallest height, nm. A strip is extended by 2
-   to 3 um; of a memory of 2 mm it has about 10^5 transistors. */
+/* Area of a strip, nm^2, and its smallest height, nm. The window of a strip
+   also contains 2 to 3 um of layout below and above. The window of a strip of a
+   memory 2 mm wide has about 10^5 transistors. */
 static const double strip_area = 9e8, strip_least = 4000;
 
 /* ---- parts to simulate ---- */
@@ -41,7 +42,8 @@ void eda_mask_share(eda_mask *mask, const eda_mask *of) {
 
 /* ---- all transistors ---- */
 
-/* Numbers of transistors found so far, by the names of their instances. */
+/* Number gate i within its instance or cell (eda_gates_owner). `of` maps the
+   name of each owner to the number of its transistors found so far. */
 static void number_gate(GHashTable *of, eda_gates *g, size_t i) {
   const char *owner = eda_gates_owner(g, i);
   guint n = GPOINTER_TO_UINT(g_hash_table_lookup(of, owner)) + 1;
@@ -56,7 +58,8 @@ static GHashTable *numbers_new(void) {
   return g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
 }
 
-/* Visit the transistors that begin in a strip. */
+/* Visit a strip: the transistors whose lower edge is within `core`. Other
+   transistors of the window are marked as neighbours. */
 static int strip_visit(const eda_mask *mask, eda_box core, GHashTable *numbers,
                        eda_mask_part *part, eda_mask_visit *visit, void *data,
                        opc_error *error) {
@@ -104,8 +107,8 @@ int eda_mask_each_strip(const eda_mask *mask, eda_mask_visit *visit, void *data,
 
 /* ---- the flat mask ---- */
 
-/* Let the chip own the gates of its first flat mask, and all flat masks use
-   them. */
+/* Move the gates of the first flat mask into the chip. All flat masks of the
+   chip then use these gates instead of their own. */
 static void flat_adopt(eda_chip *c, eda_mask *flat) {
   if (!c->flat) {
     GHashTable *numbers = numbers_new();

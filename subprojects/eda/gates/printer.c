@@ -179,8 +179,8 @@ static int print_layer(eda_printer *p, int layer, const eda_shapes *mask,
   return code ? code : printer_settle(p, layer, fine, print, error);
 }
 
-/* Layers simulated together. Single-threaded parts of the simulations run in
-   parallel. */
+/* Layers that are simulated in parallel, so that single-threaded parts of the
+   simulations also use several threads. */
 typedef struct prints {
   eda_printer *printer;
   const eda_shapes *mask;
@@ -195,8 +195,9 @@ static int print_one(void *data, size_t i, opc_error *error) {
   return print_layer(all->printer, layer, &all->mask[layer], all->fine, error);
 }
 
-/* Print the given layers; `fine`: 1: only layers without an accurate level set.
-   Add the number of simulated layers to *simulations. */
+/* Simulate the layers with layers[i] = 1: fast if `fine` is 0; accurately if
+   `fine` is 1, except layers whose level set is already accurate. Add the
+   number of simulated layers to *simulations. */
 static int print_all(eda_printer *p, const uint8_t *layers,
                      const eda_shapes *mask, int fine, uint32_t *simulations,
                      opc_error *error) {

@@ -11,10 +11,10 @@
 
 typedef struct sweep {
   int op;
-  eda_event *events; /* ends of vertical edges: major x, minor y (later the rank
-                        of y) */
+  eda_event *events; /* ends of vertical edges; major: x; minor: y, replaced by
+                        the rank of y before the sweep */
   size_t n, capacity;
-  uint32_t *y;        /* biased y of each rank */
+  uint32_t *y;        /* y of each rank, as eda_bias */
   eda_rankset breaks; /* ranks at which an interval of the sweep line starts */
   int32_t (*wind)[2]; /* winding numbers of a and b in the interval above each
                          break */

@@ -53,8 +53,8 @@ static void set_cell(eda_index *x, double size) {
   x->rows = (int32_t)ceil(height / size);
 }
 
-/* Return the total number of items: the sum over all boxes of the touched
-   cells. */
+/* Return the total number of items: the sum, over all boxes, of the number of
+   cells that a box touches. */
 static uint64_t index_items(const eda_index *x) {
   uint64_t sum = 0;
   for (size_t i = 0; i < x->n; i++) {

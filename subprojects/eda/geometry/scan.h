@@ -18,6 +18,8 @@ static inline int32_t eda_unbias(uint32_t u) {
 
 /* ---- sort.c ---- */
 
+/* A point of a sweep: two coordinates as sort keys (eda_bias), and data of the
+   algorithm. */
 typedef struct eda_event {
   uint32_t major, minor, payload;
 } eda_event;
@@ -48,8 +50,8 @@ void eda_rankset_clear(eda_rankset *set);
 int eda_rankset_has(const eda_rankset *set, uint32_t r);
 void eda_rankset_add(eda_rankset *set, uint32_t r);
 void eda_rankset_remove(eda_rankset *set, uint32_t r);
-/* Return the smallest member > r, or the largest member < r; EDA_NO_RANK if the
-   set has no such member. */
+/* eda_rankset_after: return the smallest member > r. eda_rankset_before: return
+   the largest member < r. Return EDA_NO_RANK if the set has no such member. */
 uint32_t eda_rankset_after(const eda_rankset *set, uint32_t r);
 uint32_t eda_rankset_before(const eda_rankset *set, uint32_t r);
 

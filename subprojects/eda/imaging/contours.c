@@ -15,7 +15,7 @@
 
 /* STRIP: number of rows of squares in a strip. Adjacent strips both evaluate
    their common row of nodes. */
-enum { MAX_NODES = 1 << 26, STRIP = 64, BLOCK = 256 };
+enum { MAX_NODES = 1 << 26, STRIP = 64 };
 
 /* Grid of squares on the window. A border of negative nodes around the window
    closes all contours at the window. */
@@ -27,9 +27,9 @@ typedef struct squares {
   int nx, ny;     /* numbers of nodes, including the border */
   int from, span; /* columns from .. from + span - 1 of the field are used
                      (modulo the period) */
-  int *first;     /* first spline of each node column, minus `from` */
-  double *weight; /* weights of the splines at each node column,
-                     [EDA_SPLINE_TAPS][nx] */
+  int *first;     /* for each node column: the first of the EDA_SPLINE_TAPS
+                     columns of the field that contribute, minus `from` */
+  double *weight; /* weights of these columns, [EDA_SPLINE_TAPS][nx] */
   struct strip *strip;
   size_t strips;
 } squares;

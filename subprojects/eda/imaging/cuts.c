@@ -13,15 +13,15 @@ enum {
   TOGETHER = 16, /* cuts in a batch */
   PITCH = 128,   /* largest number of coefficients of a cut */
   BLOCK = 8192,  /* largest number of field coefficients near all cuts */
-  LINE = 16,     /* alignment of the number of coefficients of a cut */
-  NEWTON = 4
+  LINE = 16,     /* the number of coefficients of a cut is a multiple of LINE */
+  NEWTON = 4     /* steps of Newton's method */
 };
 
 /* Field coefficients near all cuts. A cut has cells k = 0 .. 2 * out; cell
    `out` contains the middle. Cell k has the coefficients k .. k + 5. */
 typedef struct window {
   int out;
-  size_t pitch;
+  size_t pitch;   /* coefficients of a cut, padded with zeros */
   double part[2]; /* from the middle to each end of the middle cell, in cells */
   double step, half;  /* cell size, nm; half of the drawn line, in cells */
   int first;          /* field row of the first row of `block` */

@@ -98,8 +98,8 @@ static double line_coefficient(const eda_line *line, int i) {
 }
 
 /* Compute the spline coefficients of a cell. The three branches compute equal
-   sums; the first two read memory in order, and apply if the cell does not
-   cross the period. */
+   sums. The first two branches read memory in order; they apply if neither the
+   coefficients along the line nor the rows wrap around at the frame. */
 static void cell_coefficients(const eda_line *line, int first,
                               double c[EDA_SPLINE_TAPS]) {
   const float *const *row = line->row;

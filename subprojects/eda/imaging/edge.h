@@ -7,8 +7,10 @@
 
 /* The field on a line parallel to an axis: a spline of one variable. */
 typedef struct eda_line {
-  double origin, step;
-  int n; /* period, in steps */
+  double origin, step; /* coordinate of node 0; distance of nodes; nm */
+  int n;               /* period, in steps */
+  /* Coefficient i of the line is the sum over k of weight[k] * row[k][i *
+     stride]. */
   size_t stride;
   const float *row[EDA_SPLINE_TAPS];
   double weight[EDA_SPLINE_TAPS];
@@ -26,6 +28,7 @@ typedef struct eda_line_search {
   int out, next; /* direction, +1 or -1; number of the next coefficient */
 } eda_line_search;
 
+/* Return the value of a spline at the node of coefficient c[2]. */
 static inline double eda_node(const double *c) {
   return (c[0] + c[4] + 26 * (c[1] + c[3]) + 66 * c[2]) * (1 / 120.0);
 }

@@ -12,7 +12,7 @@ enum {
   EDA_FFT_BACKWARD,     /* sum a[k] exp(+2 pi i k x / n), in place */
   EDA_FFT_FORWARD,      /* sum a[x] exp(-2 pi i k x / n), in place */
   EDA_FFT_REAL_FORWARD, /* n real to n / 2 + 1 complex numbers */
-  EDA_FFT_REAL_BACKWARD /* inverse; destroys the input */
+  EDA_FFT_REAL_BACKWARD /* inverse of REAL_FORWARD; destroys the input */
 };
 
 /* Return a plan for `lines` transforms of n (even) numbers. Lines are adjacent:
@@ -21,8 +21,9 @@ enum {
 typedef struct eda_fft eda_fft;
 const eda_fft *eda_fft_plan(int what, int n, int lines);
 
-/* Run a plan on arrays from eda_fft_alloc, or on an even complex offset into
-   such an array. In-place transforms ignore `out`. [any] */
+/* Run a plan on arrays from eda_fft_alloc, or on parts of such arrays that
+   begin at a complex element with an even index. In-place transforms ignore
+   `out`. [any] */
 void eda_fft_run(const eda_fft *plan, void *in, void *out);
 
 /* Return the smallest even number >= max(minimum, 16) without prime factors

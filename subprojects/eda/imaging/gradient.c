@@ -20,8 +20,8 @@ typedef struct gradient_task {
   const eda_kernels *kernels;
   const eda_field *weight;
   int nx, ny;
-  int half,
-      reach; /* frequencies |l| <= half and |k| <= reach may be non-zero */
+  int half, reach; /* coefficients (k, l) may be non-zero for |l| <= half and
+                      |k| <= reach */
   size_t columns, rows;
   number *sums; /* [kernel][row l][column k] */
 } gradient_task;

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Images as sums of coherent kernels (SOCS).
 
-   The spectrum of a field is mask spectrum * transfer function of a kernel. The
-   spectrum is transformed back along y, one strip of columns k and -k at a
-   time, then along x, EDA_LANES rows at a time. The squared field is added to
-   the sum in the cache. Finally the sum is transformed forward, converted to
-   B-spline coefficients, and transformed back to the grid of the result.
+   Each kernel has a complex field (amplitude), whose spectrum is the mask
+   spectrum times the transfer function of the kernel. The spectrum of the field
+   is transformed back along y, one strip of columns k and -k at a time, then
+   along x, EDA_LANES (lanes.h) rows at a time. The squared magnitude of the
+   field is added to the sum of all kernels while the rows are in the cache.
+   Finally the sum is transformed forward, converted to B-spline coefficients,
+   and transformed back to the grid of the result.
 
    Kernels are processed in groups, so that the sum is read and written once for
    each group. Work units are strips and blocks of rows. The terms of a sum and
@@ -52,7 +54,7 @@ typedef struct sum_task {
   size_t kernel, together; /* first kernel and size of the current group */
   size_t group_most;       /* largest group */
   lines field[TOGETHER];   /* blocks of rows y; k < 0 is at point left - k */
-  size_t left;
+  size_t left;             /* number of points for k >= 0, and for k < 0 */
   size_t rows, columns; /* numbers of blocks of rows y, and of blocks of columns
                            k >= 0 of `spectrum` */
   eda_vector *sum[SUMS]; /* [row block][x]; sum[0]: of all kernels; sum[1 + i]:
@@ -124,8 +126,8 @@ static void strip_transfer(const sum_task *j, size_t kernel, const strip *p,
   out->at = out->value;
 }
 
-/* Derive the factors of all quadrants from quadrant 0 of the kernel and of the
-   mirrored kernel. */
+/* Derive the factors of all quadrants from quadrant 0 of the kernel and of its
+   mirrored kernel (eda_mirrored). */
 static void factors_mirror(const sum_task *j, const strip *p, int l,
                            factor t[QUADRANTS]) {
   eda_mirrored m = j->kernels.mirror(j->kernels.self, p->kernel);
@@ -167,9 +169,10 @@ static void find_factors(const sum_task *j, const strip *p, int l,
     factors_scale(j->scale, n, &t[order[i]]);
 }
 
-/* Compute transfer function `t` * mask spectrum `a` for n blocks of columns.
-   sign -1: conjugate `a`; by_re, by_im: signs of the parts of `t`. The signs
-   multiply whole sums, so that rounding is equal in all quadrants. */
+/* Compute transfer function `t` * mask spectrum `a` for n blocks of columns,
+   and write block b to to[b * apart]. sign -1: conjugate `a`; by_re, by_im:
+   signs of the real and imaginary parts of `t`. The signs multiply whole sums,
+   so that rounding is equal in all quadrants. */
 EDA_WIDE static void lanes_multiply(const float *restrict t, float by_re,
                                     float by_im, const float *restrict a,
                                     float sign, int n, eda_lanes *restrict to,
@@ -236,14 +239,14 @@ static void fill_rows(const sum_task *j, strip *p, int l, eda_lanes *to,
   }
 }
 
-/* Transpose a block of EDA_LANES columns of n rows to blocks of rows, at points
-   from `column`. Rows that pad the last block are set to 0. */
+/* Transpose a block of EDA_LANES columns of n rows to blocks of rows. The first
+   column becomes point number `column` of each block. Rows that pad the last
+   block are set to 0. */
 static void turn_lines(eda_lanes *from, int n, lines *to, size_t column) {
   memset(from + n, 0, sizeof *from * (blocks(n) * EDA_LANES - (size_t)n));
   for (size_t b = 0; b < blocks(n); b++) {
     const eda_lanes *tile = from + b * EDA_LANES;
     eda_lanes *out = to->at + b * to->n + column;
-    /* Prefetch the next block. */
     for (size_t i = 0; i < EDA_LANES && b + 1 < blocks(n); i++) {
       __builtin_prefetch(&out[to->n + i].re, 1);
       __builtin_prefetch(&out[to->n + i].im, 1);
@@ -283,7 +286,8 @@ EDA_WIDE static void add_square(const eda_lanes *restrict field, float weight,
 }
 
 /* Transform a block of rows of all fields of the group along x, and add the
-   squares to the sums. The first field of a sum sets the sum to 0 before. */
+   squared magnitudes to the sums. A sum is set to 0 before its first field is
+   added. */
 static void square_along_x(void *data, size_t block) {
   sum_task *j = data;
   if (opc_cancelled(j->context)) return;
@@ -509,15 +513,16 @@ static void to_spline(sum_task *j) {
 
 /* ---- grids ---- */
 
-/* Estimate the memory of eda_mask_spectrum, add_kernels and to_spline, with
-   groups of TOGETHER kernels and an intensity band of 2 / 1.75 of that of the
-   mask, as for a sigma of 0.75. */
+/* Estimate the memory of eda_mask_spectrum, add_kernels and to_spline. Assume
+   groups of TOGETHER kernels, and a partial coherence factor (sigma) of 0.75:
+   the band of the intensity is then 2 / (1 + 0.75) times the band of the
+   mask. */
 eda_image_size eda_image_forecast(eda_frame f, double band) {
   double x = f.width * band, y = f.height * band; /* frequencies k, l >= 0 */
   double nx = 2.67 * x, ny = 2.67 * y;            /* field_size */
   double fine_x = fmax(2.29 * x, f.width / default_step);
   double fine_y = fmax(2.29 * y, f.height / default_step);
-  double raster = 3.15 * x * 3.15 * y * sizeof(double); /* kept by malloc */
+  double raster = 3.15 * x * 3.15 * y * sizeof(double); /* malloc keeps it */
   double spectrum = x * 2 * y * sizeof(float complex);
   double sum = nx * ny * sizeof(float);
   double field = 2 * (x + STRIP) * ny * sizeof(float complex);
@@ -529,15 +534,14 @@ eda_image_size eda_image_forecast(eda_frame f, double band) {
 
 /* Return the number of field nodes along a side of `side` nm. */
 static int field_size(const eda_kernels *s, double side) {
-  /* The squared field has twice the band. Frequencies beyond the intensity
-     band must not alias into that band, except the outermost (factor 0.85):
-     they change the intensity by 1e-5 of the clear field, and a smaller grid
-     saves a quarter of the time. */
-  double samples = 0.85 * (2 * s->band + s->intensity_band);
-  double whole =
-      2 * fmax(s->intensity_band,
-               s->band); /* sampling rate without aliasing of the fields */
-  return eda_lanes_size(fmax(side * samples, side * whole + 2));
+  /* The squared field has twice the band of the field. Frequencies beyond the
+     intensity band must not alias into the intensity band. The factor 0.85
+     allows the outermost frequencies to do so: they change the intensity by
+     1e-5 of the clear field, and the smaller grid saves a quarter of the time.
+     The fields must not alias at all. */
+  double squared = 0.85 * (2 * s->band + s->intensity_band);
+  double fields = 2 * fmax(s->intensity_band, s->band);
+  return eda_lanes_size(fmax(side * squared, side * fields + 2));
 }
 
 static int fine_size(const eda_kernels *s, double side, double step) {

@@ -18,9 +18,10 @@ typedef struct twiddle {
   float re, im;
 } twiddle;
 
-/* Radices of a part. The roots of a stage are exp(2 pi i p j / length) for p =
-   0 .. length / radix - 1 and j = 1 .. radix - 1; `length` is the length of the
-   transform that remains at this stage. */
+/* A transform of length n, one of the two factors of the whole length, in
+   stages. radix[s] is the radix of stage s. The roots of a stage are exp(2 pi i
+   p j / length) for p = 0 .. length / radix - 1 and j = 1 .. radix - 1;
+   `length` is n divided by the radices of all earlier stages. */
 typedef struct part {
   int n, stages;
   int radix[MAX_STAGES];
@@ -194,7 +195,8 @@ EDA_WIDE static void radix5(const stage *g) {
   END_BUTTERFLIES
 }
 
-/* Sums and differences of opposite inputs, each processed as in radix4. */
+/* Form the sums and the differences of opposite inputs, and transform both as
+   in radix4. */
 EDA_WIDE static void radix8(const stage *g) {
   static const float h = 0.70710678118654752f;
   BUTTERFLIES(8)
@@ -235,7 +237,8 @@ EDA_WIDE static void radix8(const stage *g) {
 
 /* ---- lines ---- */
 
-/* Transform a part from `in` to `out`; `work` has capacity for 2 * n points. */
+/* Transform p->n points, in_stride apart, from `in` to `out`; `work` has
+   capacity for 2 * p->n points. */
 static void run_part(const part *p, const eda_lanes *in, size_t in_stride,
                      eda_lanes *out, size_t out_stride, eda_lanes *work) {
   void (*const stages[])(const stage *) = {

@@ -18,7 +18,8 @@ static double complex number(const eda_lanes *a, int i, int lane) {
 }
 
 static void test_sums(void) {
-  /* Short lines, and lengths in two parts, with all factors. */
+  /* Lengths up to 128, which are not factored, and longer lengths, which are
+   factored; together with all radices. */
   static const int sizes[] = {16, 18,  20,  24,  30,  50,  64,
                               90, 128, 150, 256, 360, 486, 1000};
   GRand *random = g_rand_new_with_seed(11);

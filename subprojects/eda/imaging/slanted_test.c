@@ -15,8 +15,9 @@ static double sinc(double x) {
   return fabs(x) < 1e-6 ? 1 - x * x / 6 : sin(x) / x;
 }
 
-/* Return the integral of exp(-i (u x + v y)) over polygons by the divergence
-   theorem: of (u, v) / |(u, v)|^2 times i exp(...) across the outline. */
+/* Return the integral of exp(-i (u x + v y)) over polygons. By the divergence
+   theorem, it equals the flux of the vector field (u, v) i exp(-i (u x + v y))
+   / (u^2 + v^2) through the outlines. */
 static double complex integral(const eda_shapes *s, double grid, eda_frame f,
                                double u, double v) {
   double complex sum = 0;
@@ -101,7 +102,8 @@ static void test_polygons(void) {
   }
 }
 
-/* A hole, in other units, far away, among rectilinear polygons. */
+/* Test a slanted polygon with a hole, far from the origin, together with
+   rectilinear polygons and with a grid other than 1 nm. */
 static void test_hole(void) {
   eda_point points[] = {{0, 0},       {1600, 0},    {1600, 1200}, {0, 1200},
                         {800, 200},   {300, 700},   {1100, 1000}, {1700, 1300},

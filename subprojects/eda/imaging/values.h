@@ -13,8 +13,9 @@ enum { EDA_VALUES_SPARE = 512 };
    memory is exhausted. [any] */
 float *eda_values_new(size_t n);
 
-/* Free values. First call `eda_values_take` (NULL: none): it returns 1 if the
-   values do not belong to malloc and are freed. [any] */
+/* Free values. If `eda_values_take` is not NULL, it is called first: it frees
+   values that were not allocated by malloc and returns 1; for all other values
+   it returns 0, and free() is called. [any] */
 void eda_values_free(float *values);
 extern int (*eda_values_take)(float *values);
 

@@ -159,7 +159,7 @@ static void test_halves(void) {
   eda_flat out = flat(&f, "A", 1);
   for (int i = -200; i < 200; i++) {
     const eda_point *p = out.shapes.points + 4 * (i + 200);
-    /* edges at 188.5 + 13 i and 13 further */
+    /* edges at 188.5 + 13 i and 201.5 + 13 i */
     g_assert_cmpint(p[0].x, ==, 189 + 13 * i);
     g_assert_cmpint(p[1].x, ==, 202 + 13 * i);
     g_assert_cmpint(p[0].y, ==, 7);  /* 6.5 is rounded up */

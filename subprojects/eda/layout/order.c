@@ -38,8 +38,9 @@ typedef struct visit {
 
 enum { NEW = 0, OPEN = 1, DONE = 2 };
 
-/* Visit the cells below `root` depth first with an explicit stack. A cell is
-   circular if it places an open cell or a circular cell. */
+/* Visit `root` and the cells below depth first, with an explicit stack. A cell
+   on the stack is OPEN. A cell is circular if it places an open cell or a
+   circular cell. */
 static void order_below(eda_layout *layout, int32_t root, uint8_t *state,
                         visit *stack, size_t *done) {
   size_t depth = 0;

@@ -133,9 +133,9 @@ static void test_any_angle(void) {
   free(q);
 }
 
-/* A turn by 135 degrees: the corner is cut half a width beyond it. Computed by
-   hand for half a width of 1: outer points (10 + 1, -1) and, along the other
-   segment, (10, 0) + sqrt(2) (1, 0). */
+/* A turn by 135 degrees: the mitre is truncated half a width beyond the corner.
+   Computed by hand for half a width of 1: outer points (10 + 1, -1) and, along
+   the other segment, (10, 0) + sqrt(2) (1, 0). */
 static void test_sharp(void) {
   const eda_point p[] = {{0, 0}, {10000, 0}, {0, 10000}};
   size_t n;

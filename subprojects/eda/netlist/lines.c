@@ -80,8 +80,8 @@ static int add_word(lines *r, line *l, const char *text, size_t length,
   return OPC_OK;
 }
 
-/* Append a text without trailing blanks; write tabs and carriage returns as
-   blanks. */
+/* Append a line of the file to l->text, without trailing blanks; write tabs and
+   carriage returns as blanks. */
 static void keep_text(lines *r, line *l, const char *from, const char *end) {
   while (end > from && is_blank(end[-1])) end--;
   const char *joint = l->length ? "\n+ " : "";

@@ -44,8 +44,8 @@ static int read_row(eda_run_cases *c, const char *folder, const int at[COLUMNS],
   if (!is_inside(cell[FOLDER]))
     return eda_table_fail(t, row, (size_t)at[FOLDER],
                           "path outside of the folder:", error);
-  /* CSV fields do not contain the separator "
-     \r". */
+  /* A line feed before a carriage return separates the names in the key. Names
+     of cases and methods have no line breaks. */
   if (!g_hash_table_add(seen,
                         g_strdup_printf("%s\n\r%s", cell[CASE], cell[METHOD])))
     return eda_table_fail(t, row, (size_t)at[METHOD],

@@ -76,9 +76,10 @@ static char *place_of(const eda_table *t, size_t row) {
                                eda_table_text(t, row, (size_t)y));
 }
 
-/* Pair rows by place, if a table has a row for each class: a class with the
-   transistor at the place of its representative. `of`: the table of classes,
-   `other`: a table of transistors or of equal classes. */
+/* Pair rows by position, if at least one table (`of`) has a row for each class:
+   a class is paired with the row of the other table at the position of the
+   transistor that represents the class. `by_classes`: 1 if `other`, too, has a
+   row for each class; paired classes must then have equally many members. */
 static void classes_match_rows(transistors *t, eda_table *of, eda_table *other,
                                int by_classes) {
   g_autoptr(GHashTable) rows =
@@ -115,8 +116,10 @@ static void classes_match_rows(transistors *t, eda_table *of, eda_table *other,
 
 /* ---- the tables ---- */
 
-/* Return the name of the file of all transistors that a step with, or without,
-   the plugin `verify` wrote (g_free); NULL if there is none. */
+/* Return the name (g_free) of the table of all transistors that a step wrote to
+   the file in its parameter `transistors`. If `verified` is 1, the step must
+   use the plugin `verify`, otherwise another plugin. Return NULL if no such
+   step wrote a table. */
 static char *listing_of(const eda_run *run, int verified) {
   const eda_run_facts *f = eda_run_info(run);
   for (size_t i = 0; i < f->n_parameters; i++) {
@@ -195,8 +198,8 @@ void transistors_clear(transistors *t) {
 
 /* ---- changes ---- */
 
-/* Largest |change| that counts as equal, %; gates.csv has two or three
-   decimals. */
+/* Largest |change| that counts as equal, %. It is below the resolution of
+   gates.csv, which has two or three decimals. */
 static const double EQUAL = 1e-9;
 
 typedef struct cell {

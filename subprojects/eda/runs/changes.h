@@ -21,12 +21,14 @@ typedef struct transistors {
                   NULL: none */
 } transistors;
 
-/* Join two transistor tables by transistor name, or, if a table has a row for
-   each class, by the place of the representative. A file of all transistors
-   (parameter `transistors`) is used instead of the table. If both runs have the
-   table of a step that uses `verify`, join those tables, otherwise the tables
-   `gates`. Differing names or drawn sizes set t->fault. Return OPC_OK, or a
-   code and *error. Call transistors_clear in either case. */
+/* Join the transistor tables of two runs. If both runs have the table of a step
+   that uses the plugin `verify`, join these tables, otherwise the tables
+   `gates`. If a step also wrote a table of all transistors (its parameter
+   `transistors`), use that table instead. Rows are joined by the name of the
+   transistor. If a table has a row for each class of equivalent transistors,
+   rows are joined by the position of the transistor that represents the class.
+   Differing names or drawn sizes set t->fault. Return OPC_OK, or a code and
+   *error. Call transistors_clear in either case. */
 int transistors_join(eda_run *base, eda_run *other, transistors *t,
                      opc_error *error);
 void transistors_clear(transistors *t);

@@ -49,8 +49,8 @@ static void file_put(const char *folder, const char *file, const char *text) {
   g_assert_true(g_file_set_contents(path, text, -1, NULL));
 }
 
-/* Return a folder with a run (g_free); NULL selects the valid text of a
-   file. */
+/* Return a folder (g_free) with a run, whose files contain the texts a, b and
+   c. NULL selects the valid text of the file. */
 static char *folder_make(const char *a, const char *b, const char *c) {
   char *folder = g_dir_make_tmp("runs-XXXXXX", NULL);
   file_put(folder, "manifest.json", a ? a : manifest);

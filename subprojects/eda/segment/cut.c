@@ -28,8 +28,8 @@ EDA_COMPARE_RISING(by_edge, span, point, low);
 
 /* ---- owners of spans ---- */
 
-/* Return the edge below the side of gate i; recognise.c has verified that one
-   exists. */
+/* Return the edge of `layer` that contains a side of gate i; recognise.c has
+   verified that such an edge exists. */
 static const edge *side_of(const segment *s, int layer, size_t i, int d,
                            int side) {
   const eda_box *b = &s->gates->box[i];
@@ -85,8 +85,8 @@ static const edge *closing_edge(const cutter *c, size_t i, int side) {
   int d = g->axis[i];
   const edge *low = side_of(c->s, EDA_POLY, i, d, LOW);
   const edge *high = side_of(c->s, EDA_POLY, i, d, HIGH);
-  /* Counter-clockwise, the low side of x precedes the lower end, the low side
-     of y follows the left end. */
+  /* In counter-clockwise order, the left side of a vertical line precedes the
+     lower end; the lower side of a horizontal line follows the left end. */
   int forward = (d == EDA_X) == (side == LOW);
   const edge *from = forward ? low : high, *to = forward ? high : low;
   const eda_shapes *drawn = &g->drawn[EDA_POLY];
@@ -105,8 +105,8 @@ static int shares_end(const cutter *c, size_t sides, size_t i, int side) {
 }
 
 /* Return a default length in grid units: `nm` for 65 nm gates, scaled by the
-   length of gate i and rounded to whole nm. The result is at most half the
-   reach.. */
+   length of gate i and rounded to whole nm. The result is at most half of the
+   reach. */
 static int32_t in_lengths(const segment *s, size_t i, double nm) {
   double all = round(s->gates->length[i] * nm / 65) / s->grid;
   int32_t most = s->reach / 2;
@@ -121,8 +121,8 @@ static int32_t segment_line_end(const segment *s, size_t i) {
   return s->line_end != NOT_GIVEN ? s->line_end : in_lengths(s, i, 200);
 }
 
-/* Add the line ends and their distances. An edge that is a side of another gate
-   is no line end. */
+/* Add the line ends, and set the extension of poly beyond each gate. The end of
+   a poly line belongs only to the gate that is nearest to the end. */
 static void add_ends(cutter *c) {
   const segment *s = c->s;
   size_t sides = c->count;
@@ -141,15 +141,15 @@ static void add_ends(cutter *c) {
   qsort(c->spans, c->count, sizeof *c->spans, by_edge);
 }
 
-/* ---- parting an edge ---- */
+/* ---- extension of spans along an edge ---- */
 
 static int32_t reach_of(const cutter *c, const span *a) {
   return c->layer == EDA_ACTIVE ? c->s->reach : segment_overhang(c->s, a->gate);
 }
 
-/* Return the distance by which a span may extend past its gate, at most
-   `distance`. Along poly, a corner within the distance of a line end is
-   included. */
+/* Return the length by which a span is extended past its gate towards an end of
+   the edge; `distance` is the distance from the gate to this end. On poly, the
+   span extends to the end if the distance is at most that of a line end. */
 static int32_t span_extension(const cutter *c, const span *a,
                               int64_t distance) {
   int32_t reach = reach_of(c, a);
@@ -159,7 +159,9 @@ static int32_t span_extension(const cutter *c, const span *a,
   return reach;
 }
 
-/* Divide the interval between two adjacent spans equally. */
+/* Extend two adjacent spans of an edge towards each other by their reaches. If
+   the gap between the spans is smaller than both reaches together, divide the
+   gap in proportion to the reaches. */
 static void spans_divide(const cutter *c, span *a, span *b) {
   int64_t gap = (int64_t)b->low - a->high, of_a = reach_of(c, a),
           of_b = reach_of(c, b);

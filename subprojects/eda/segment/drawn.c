@@ -76,9 +76,9 @@ static void set_size(double *size, double drawn, double grid) {
   if (fabs(*size - drawn) > 1e-6 * grid) *size = drawn;
 }
 
-/* Measure gate i. If a straight edge on the mask grid is drawn with steps, the
-   gate is no rectangle as drawn, and its sizes are known on the mask grid
-   only. */
+/* Measure L and W of gate i in `region`, the gate as drawn, and return 1. An
+   edge that is straight on the mask grid may be drawn with steps. The drawn
+   gate is then not a rectangle: keep the sizes on the mask grid, return 0. */
 static int gate_measure(eda_gates *g, size_t i, double grid,
                         const eda_shapes *regions, uint32_t region) {
   if (region == UINT32_MAX) return 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Sorted edges of poly and active, to find the edge below the side of a
+/* Sorted edges of poly and active, to find the edge that contains a side of a
    gate. */
 #include <stdlib.h>
 

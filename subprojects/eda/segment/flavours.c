@@ -62,8 +62,9 @@ static void count_name(void *data, const char *name) {
   ++*(size_t *)data;
 }
 
-/* Compute how all markers of a flavour together cover each region, in `covers`,
-   and the number of markers. */
+/* Set covers[] to the relation (SEGMENT_INSIDE ...) of each region to the
+   intersection of all markers of a flavour. Set *markers to the number of
+   marker layers; an expression counts as its layers. */
 static int find_markers(segment *s, size_t flavour, uint8_t *covers,
                         size_t *markers) {
   const char *of = name_of(s->settings, flavour);
@@ -113,8 +114,9 @@ static int region_refuse(segment *s, size_t region, const char *a,
   return segment_refuse(s, region, text);
 }
 
-/* Among matching flavours, the one with most markers applies, as the most
-   specific. */
+/* If several flavours match a gate, the flavour with the largest number of
+   marker layers applies, because it is the most specific. Two matching flavours
+   with this number are an error. */
 int segment_flavours(segment *s) {
   const eda_segment_settings *set = s->settings;
   size_t n = s->regions.count;

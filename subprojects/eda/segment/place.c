@@ -7,8 +7,8 @@
 
 #include "segment/segment.h"
 
-/* Return whether a polygon contains a point. Each point is inside exactly one
-   of two abutting shapes. */
+/* Return whether a polygon contains a point. A point on the common edge of two
+   abutting shapes is inside exactly one of them. */
 static int polygon_contains(const eda_point *p, uint32_t n, doubled at) {
   int wind = 0;
   for (uint32_t i = 0; i < n; i++) {

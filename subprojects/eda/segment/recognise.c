@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Recognition of transistors: the regions where poly crosses active that are
-   gates, their axes and types. */
+/* Recognition of transistors: checks that each region where poly crosses active
+   is a valid gate, and finds the axis and the type of the gate. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -45,8 +45,9 @@ static int error_set_key(opc_error *error, const char *name) {
   return error->code;
 }
 
-/* Return whether files can carry the name of a further layer: one word. Writers
-   use NAME_drawn for the drawn shapes of NAME. */
+/* Return whether a further layer may have this name: a word of letters, digits
+   and '_' that does not end in "_drawn". Writers use NAME_drawn for the drawn
+   shapes of layer NAME. */
 static int is_layer_name(const char *name) {
   size_t n = strlen(name);
   static const char drawn[] = "_drawn";
@@ -328,8 +329,8 @@ int eda_segment(const opc_context *context, const eda_layout *layout,
   return code;
 }
 
-/* The flat layers exist at the same time, with as much again for their merged
-   forms. */
+/* All flat layers exist at the same time; their merged shapes need about as
+   much memory again. */
 double eda_segment_bytes(const eda_layout *layout, int32_t top,
                          const eda_segment_settings *settings) {
   segment s = {.settings = settings};

@@ -10,8 +10,8 @@
 enum { NWELL, PWELL, NIMPLANT, PIMPLANT, DOPINGS };
 enum { LOW = 0, HIGH = 1 }; /* sides */
 
-/* An edge of merged shapes; `side`: side of the interior on which the edge is
-   located. */
+/* An edge of merged shapes. `side` is LOW if the interior is on the side of
+   larger coordinates (a left or lower edge), otherwise HIGH. */
 typedef struct edge {
   uint8_t across, side;
   int32_t at, low, high;   /* constant coordinate; ends */
@@ -60,18 +60,16 @@ typedef struct segment {
   eda_gates *gates;
 } segment;
 
-/* Value of overhang and line_end if the settings have none. A line end is about
-   as long as the smallest gate of the process (72 nm at 65, 130 at 150, 220 at
-   280, 600 at 600 by design rules). The relevant overhang of poly scales with
-   the optical resolution, of which the gate is half or less. */
+/* Value of overhang and line_end if the settings have none. Both then follow
+   from the gate length, for two reasons. By design rules, a line end is about
+   as long as the smallest gate of a process (line end / gate: 72 / 65, 130 /
+   150, 220 / 280 and 600 / 600 nm). The relevant overhang of poly scales with
+   the optical resolution, and so does the smallest gate length. */
 enum { NOT_GIVEN = -1 };
 
 static inline int32_t box_side(const eda_box *b, int d, int side) {
   return d == EDA_X ? (side ? b->x1 : b->x0) : (side ? b->y1 : b->y0);
 }
-
-/* cut.c: return how far beyond the active gate i owns the edges of poly, or the
-   largest distance of a line end, in grid units. */
 
 /* layers.c: compute the drawn and merged shapes of a layer in cell `top` and
    all cells below; both are empty on failure. For a window, return the drawn

@@ -7,9 +7,10 @@
 
 #include <stdlib.h>
 
-/* Margin of a window beyond the reach, nm: most transistors are smaller, so
-   those near the core are complete in the first window. With half of this
-   margin, every second window of 65 nm circuits is repeated. */
+/* Margin of a window beyond the reach, nm. Most transistors are smaller than
+   this margin, so that the first window contains all transistors near the core
+   completely. With half of this margin, every second window of 65 nm circuits
+   is enlarged and computed again. */
 #define BEYOND 1000.0
 
 /* Clip a window to the bounds of the layout, where nothing is cut. */

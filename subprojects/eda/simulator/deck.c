@@ -29,10 +29,10 @@ typedef struct deck {
   eda_place section_at;
   /* key: model name with scope number; value: "FILE:LINE" of the statement */
   GHashTable *models;
-  unsigned
-      scope; /* 0: outside of subcircuits; other scopes have unique numbers */
-  unsigned scopes, depth, branches; /* scopes: number of scopes; depth: open
-                                       .subckt; branches: open .if */
+  unsigned scope;  /* number of the current scope; 0: outside of subcircuits */
+  unsigned scopes; /* number of scopes so far */
+  unsigned depth;  /* number of open .subckt */
+  unsigned branches; /* number of open .if */
 } deck;
 
 /* ---- known statements ---- */
@@ -58,6 +58,7 @@ static const char *const file_words[] = {"file", "sound"};
 static const char letters[] =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_";
 
+/* Return whether a statement is in the deck itself, not in an included file. */
 static int is_own(const line *l) { return l->word[0].at.file == 0; }
 
 /* ---- statements ---- */

@@ -342,8 +342,9 @@ int eda_models_bins(const eda_models *l, const char *name, eda_sizes *out) {
 /* Tolerance for equal bounds, nm. */
 static const double same = 1e-3;
 
-/* Extend a bin that is outermost (its bound equals the bound in `all`) beyond
-   the sizes `to`. Return whether the bin changed. */
+/* If a bound of a bin is outermost (equal to the bound in `all`), move the
+   bound to 1 nm beyond the sizes `to`, unless it is already farther outside.
+   Return whether the bin changed. */
 static int bin_stretch(double bin[2], const double all[2], const double to[2]) {
   const double was[2] = {bin[0], bin[1]};
   if (fabs(bin[0] - all[0]) < same) bin[0] = fmin(bin[0], to[0] - 1);

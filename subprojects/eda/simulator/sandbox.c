@@ -15,8 +15,8 @@
 
 /* ---- limits ---- */
 
-/* Bytes: twice the largest accepted size of results (2 GB), far more than a
-   circuit's matrix and netlist need. */
+/* Largest memory of the process, bytes: twice the largest accepted size of the
+   results (2 GB). The netlist and the matrix of a circuit need far less. */
 static const rlim_t most_memory = (rlim_t)4 << 30;
 
 static const char *set_limits(int file) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Runs the helper program for a deck. Reads the records while the program runs,
-   so that the records before a crash are known. */
+/* Runs the helper program for a deck. The records of the program are read while
+   it runs, so that all records before a crash are available. */
 #include <eda/memory.h>
 #include <eda/simulator.h>
 

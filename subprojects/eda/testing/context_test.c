@@ -21,7 +21,7 @@ static gpointer context_take(gpointer shared) {
   for (;;) {
     size_t i = __atomic_fetch_add(&w->next, 1, __ATOMIC_SEQ_CST);
     if (i >= w->n) return NULL;
-    /* Reversed: nothing may rely on an order. */
+    /* Run tasks in reverse order, because no caller may rely on an order. */
     w->task(w->data, w->n - 1 - i);
   }
 }

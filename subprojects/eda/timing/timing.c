@@ -267,16 +267,16 @@ void eda_timing_pair_at(const eda_timing_pair *p, double gap, double first,
    begins, for falling [0] and rising [1] ramps. Let r be the time from 50 to 90
    % of a transition divided by the time from 30 to 70 %. In simulations of 65
    nm inverters and NAND gates with loads of 0 to 8 fF, r was 1.4 to 1.8 for
-   rising and 1.1 to 1.3 for falling outputs. The ramps have r = 1.7 and 1.3.
-   With a level of 0.5 for both directions, delays of a chain are 5 % too short
-   for falling and too long for rising outputs. */
+   rising and 1.1 to 1.3 for falling outputs. The rising ramp has r = 1.7, the
+   falling ramp r = 1.3. With a level of 0.5 for both directions, delays of a
+   chain are 5 % too short for falling outputs and 5 % too long for rising
+   outputs. */
 static const double bend[] = {0.7, 0.55};
 
 /* End of the ramp: level of the last point of the exponential part, and
-   duration of the final step from this level to 1. The unit of time is the
-   duration of a straight line from 0 to 1 with the initial slope. The values
-   were chosen for this program: the last percent of a gate's input changes no
-   relevant current. */
+   duration of the final straight line from this level to 1, in units of
+   eda_timing_ramp. The values were chosen for this program: the last percent of
+   a gate's input changes no relevant current. */
 static const double ramp_last = 0.99, ramp_step = 0.1;
 
 double eda_timing_ramp(int rises, double level) {

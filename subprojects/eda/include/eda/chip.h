@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Transistors of a mask by classes (eda_mask, gates.h): classes and edge
    displacements of all transistors of a hierarchical layout. The mask of any
-   window follows from the displacements, so the whole layout is never
+   window follows from the displacements, so the whole layout need not be
    flattened. [any]: see opcflow/plugin.h. */
 #pragma once
 
@@ -26,8 +26,10 @@ typedef struct eda_chip_gate {
    coordinates; fields as in eda_moved (gates.h). */
 typedef struct eda_chip_mask {
   int32_t w, aside, l, jog, end[2];
-  uint32_t part, parts; /* range in eda_chip.part */
-  uint32_t box, boxes;  /* range in eda_chip.box */
+  uint32_t part, parts; /* parts of the gate: first index in eda_chip.part, and
+                           number */
+  uint32_t box, boxes;  /* added shapes and cut-outs: first index in
+                           eda_chip.box, and number */
 } eda_chip_mask;
 
 /* A rectangle added to a layer of the mask, or cut out after all additions
@@ -51,7 +53,9 @@ typedef struct eda_chip {
                          further arrays by free() */
   size_t count;
   eda_chip_gate *gate; /* ordered by lowest, then leftmost corner */
-  size_t masks, prints, parts, boxes;
+  size_t masks;        /* elements of `mask` */
+  size_t prints;       /* number of classes */
+  size_t parts, boxes; /* elements of `part`, and of `box` */
   eda_chip_mask *mask;
   eda_part *part;
   eda_chip_box *box;
@@ -63,21 +67,24 @@ typedef struct eda_chip {
   eda_gates *flat;
 } eda_chip;
 
-/* Free a chip (NULL: do nothing). Check order and indices, and return OPC_OK,
-   or OPC_FAILED and *error. [any] */
+/* eda_chip_free: free a chip (NULL: do nothing). eda_chip_check: check the
+   order of the transistors and all indices; return OPC_OK, or OPC_FAILED and
+   *error. [any] */
 OPC_EXPORT void eda_chip_free(eda_chip *chip);
 OPC_EXPORT int eda_chip_check(const eda_chip *chip, opc_error *error);
 
-/* Make a mask by classes, which owns the chip, with gates for `prints` classes:
-   box, type, axis and names of the first transistor of each class, L and W of
-   its box, and the number of its transistors. Figures and flags are zeroed. The
-   gates of an empty chip have its layers. [main] */
+/* Make a mask by classes, which owns the chip. The mask has a gate for each
+   class: box, type and axis are those of the first transistor of the class, L
+   and W those of the box. The name of the gate is TOP CELL:NUMBER; NUMBER
+   counts the transistors of the chip from 1. Set eda_mask.count. Figures and
+   flags are zeroed. The gates also have the layers of the chip. [main] */
 OPC_EXPORT eda_mask *eda_chip_mask_new(eda_chip *chip);
 
 /* Read a mask by classes that eda_mask_save wrote. The chip has layout, grid,
-   extent and layers, but no transistors. On success the mask owns the chip. On
-   failure *mask is unchanged and the chip freed, or *mask owns the chip and the
-   caller frees *mask. Errors as of eda_mask_restore. [main] */
+   extent and layers, but no transistors. On success the mask owns the chip.
+   *mask must be NULL before the call. If *mask is still NULL after a failure,
+   the chip was freed; otherwise *mask owns the chip, and the caller frees
+   *mask. Errors as of eda_mask_restore. [main] */
 OPC_EXPORT int eda_chip_mask_restore(eda_chip *chip, const char *folder,
                                      void **mask, opc_error *error);
 

@@ -48,7 +48,7 @@ OPC_EXPORT int eda_csv_fail(const eda_csv *csv, size_t row, int column,
                             const char *what, opc_error *error);
 
 /* Read a field as a finite number greater than `above`. Return OPC_INVALID and
- *error for other texts. */
+   an error for other texts and if the field or its column is missing. */
 OPC_EXPORT int eda_csv_number(const eda_csv *csv, size_t row, int column,
                               double above, double *value, opc_error *error);
 

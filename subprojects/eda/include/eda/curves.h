@@ -26,13 +26,14 @@ enum { EDA_ION = 0, EDA_IOFF = 1, EDA_CURRENTS = 2 };
 
 typedef struct eda_curves {
   eda_devices *devices;
-  /* Currents per width, A/nm, at equal steps from the shortest length on, for
-     fast approximate evaluation: [type][step * EDA_CURRENTS + current]. */
+  /* Currents per width, A/nm, of wide transistors at equal steps from the
+     shortest to the longest length, for fast approximate evaluation:
+     [type][step * EDA_CURRENTS + current]. */
   double *quick[2];
-  size_t steps;
+  size_t steps;            /* number of steps */
   double per_nm;           /* steps per nm */
   struct eda_curve *exact; /* private to eda */
-  /* Curves of the file's next table; NULL: none. Since 0.6. */
+  /* Curves of the next table of the file; NULL for the last. Since 0.6. */
   struct eda_curves *next;
 } eda_curves;
 

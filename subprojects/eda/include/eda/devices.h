@@ -19,32 +19,34 @@ typedef struct eda_devices {
   double supply; /* supply voltage, V */
   double width;  /* width of the simulated transistors, nm */
   char *name;
-  /* Number of further widths, below `width`; these widths, nm, increasing;
-     their currents per width, at width k and length i: [type][k * count +
-     i]. */
-  size_t narrow;
-  double *narrow_width;
+  size_t narrow;        /* number of further widths, all below `width` */
+  double *narrow_width; /* [narrow], nm, increasing */
+  /* Currents per width, A/nm, of the further widths: [type][k * count + i] for
+     width k and length i. */
   double *narrow_ion[2], *narrow_ioff[2];
   /* Flavour (eda/gates.h) of the transistors of this table, NULL for the first
      table of a file; next table, NULL for the last. Since 0.6. */
   char *flavour;
   struct eda_devices *next;
   /* Gate capacitance per width, F/nm: `cgate` for `width`, indexed as `ion`;
-     `narrow_cgate` for `narrow_width`, indexed as `narrow_ion`. NULL: none. */
+     `narrow_cgate` for `narrow_width`, indexed as `narrow_ion`. NULL: the table
+     has no capacitances. */
   double *cgate[2], *narrow_cgate[2];
 } eda_devices;
 
 /* Read all tables of a file (format: docs/reference/devices.md). Return the
-   first table, whose release frees all; NULL and *error (file:line:column) on
-   failure. [main]: see opcflow/plugin.h. */
+   first table of the list; NULL and *error (file:line:column) on failure.
+   eda_devices_free with the first table frees all tables of the list. [main]:
+   see opcflow/plugin.h. */
 OPC_EXPORT eda_devices *eda_devices_read(const char *path, opc_error *error);
 OPC_EXPORT void eda_devices_free(eda_devices *devices);
 
 /* Return the gate capacitance, F, of a rectangular transistor (length, width:
    nm), interpolated linearly between lengths and between widths. Above the
    widest width, and in a table of one width, the capacitance is proportional to
-   the width. NAN if the table has no capacitance, this length is outside the
-   table, or this width is too narrow. [any] */
+   the width. Return NAN if the table has no capacitances, if the length is
+   outside the table, or if the width is below the narrowest width of the table.
+   [any] */
 OPC_EXPORT double eda_devices_cgate(const eda_devices *devices, int type,
                                     double length, double width);
 

@@ -23,6 +23,8 @@ typedef struct eda_colour {
         ((hex)&255) / 255.0                                  \
   }
 
+/* Colours of text and frames, of grid lines and outlines, of transistors
+   without a value, and of rings (eda_ring). */
 OPC_EXPORT extern const eda_colour eda_ink, eda_faint, eda_unknown,
     eda_ring_colour;
 
@@ -114,12 +116,12 @@ typedef struct eda_sign {
     EDA_SIGN_RAMP
   } kind;
   eda_colour colour;
-  double line, dash;  /* LINE: width; length of dashes, 0: solid */
-  eda_colour behind;  /* LINE: colour of a second line behind it */
-  double behind_line; /* width of that line; 0: no such line */
-  double size;        /* BAR: size */
-  eda_colour (*ramp)(double t);
-  const char *low, *high; /* RAMP: labels of both ends */
+  double line, dash;            /* LINE: width; length of dashes, 0: solid */
+  eda_colour behind;            /* LINE: colour of a second line behind it */
+  double behind_line;           /* width of that line; 0: no such line */
+  double size;                  /* BAR: size */
+  eda_colour (*ramp)(double t); /* RAMP: colour at position t, 0 to 1 */
+  const char *low, *high;       /* RAMP: labels of both ends */
 } eda_sign;
 
 /* A legend. Entries are placed from left to right, in lines as needed. */
@@ -197,8 +199,8 @@ OPC_EXPORT void eda_chart_band(const eda_chart *chart, eda_colour colour,
 
 /* Draw a heat map: one rectangle for each pair of an x text and a y text. The
    colour scale `of` maps figure[x * y.labels + y] to the colour; NAN is grey
-   with a cross.
-   Draw the scale at the right. Call before eda_chart_axes. */
+   with a cross. Also draw the colour scale to the right of the chart. Call this
+   before eda_chart_axes. */
 OPC_EXPORT void eda_chart_field(const eda_chart *chart, const eda_axis *of,
                                 const double *figure);
 

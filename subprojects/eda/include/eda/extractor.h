@@ -47,9 +47,10 @@ typedef struct eda_extractor {
   int (*prepare)(void *self, opc_error *error);
 
   /* Return the number of slices per gate. Set *place to the positions where
-     lengths are measured: fractions of the gate width from 0 to 1, none below
-     the one before. Set *width to the widths of the slices: fractions >= 0 with
-     the sum 1. The instance owns the arrays. */
+     lengths are measured: fractions of the gate width from 0 to 1, in ascending
+     order; positions may be equal. Set *width to the widths of the slices:
+     fractions of the gate width, >= 0, with the sum 1. The instance owns the
+     arrays. */
   size_t (*slicing)(const void *self, const double **place,
                     const double **width);
 

@@ -20,9 +20,9 @@ OPC_EXPORT int eda_layer_number_read(const char *text, uint32_t most,
                                      eda_layer_number *out, int *any);
 
 /* Return the default number (datatype 0) of a layer in output files: 9 for
-   poly, 1 for active, 10 for contact; 11, 12, ... for other layers, in order.
-   Drawn shapes of a corrected layer have this number + EDA_DRAWN_NUMBER.
-   [any] */
+   layer EDA_POLY, 1 for layer EDA_ACTIVE, 10 for "contact"; 11, 12, ... for
+   other layers, in order. Drawn shapes of a corrected layer have this number +
+   EDA_DRAWN_NUMBER. [any] */
 OPC_EXPORT uint32_t eda_gates_number(const eda_gates *gates, size_t layer);
 enum { EDA_DRAWN_NUMBER = 100 };
 

@@ -10,8 +10,8 @@
 
 OPC_C_BEGIN
 
-/* Numbers of the layers that form transistors, if there are any. Find other
-   layers by name. */
+/* Numbers of the layers poly and active in a layout with transistors. Find all
+   other layers by name. */
 enum { EDA_POLY = 0, EDA_ACTIVE = 1 };
 
 /* Axes. The axis of a gate is the direction of the channel current: EDA_X for a
@@ -52,11 +52,13 @@ enum { EDA_GOAL_ION, EDA_GOAL_IOFF, EDA_GOAL_AREA, EDA_GOAL_TARGETS };
 
 /* Individual goal of the correction of one transistor. */
 typedef struct eda_goal {
-  double weight; /* divides the tolerance; 0: do not correct */
+  double weight; /* the synthesizer divides its tolerance, the largest deviation
+                    that it does not correct, by the weight; 0: the transistor
+                    is not corrected */
   double target[EDA_GOAL_TARGETS]; /* targets relative to the figures of the
                                       drawn transistor */
-  uint8_t given; /* 1: set by the designer or by a step; steps that set goals
-                    skip this transistor */
+  uint8_t given; /* 1: the goal was set by the designer or by a step; steps that
+                    set goals then skip this transistor */
 } eda_goal;
 
 /* Default goal. */
@@ -105,8 +107,8 @@ typedef struct eda_gates {
   void *texts; /* storage of the texts above; private to eda */
 
   /* Serial number of the object in this process. Caches compare this number to
-     detect other gates at the same address. 0: not from eda_gates_new. Since
-     0.6. */
+     detect that an address now belongs to other gates. 0 if the object was not
+     created by eda_gates_new. Since 0.6. */
   uint64_t serial;
 
   /* Flavour of each transistor: a device variant such as "lvt", identified by
@@ -123,7 +125,7 @@ OPC_EXPORT eda_gates *eda_gates_new(size_t layers, size_t count);
    an output of the data kind "gates". [any] */
 OPC_EXPORT void eda_gates_free(void *gates);
 
-/* Return a copy of a text, freed with the gates; equal texts share it.
+/* Return a copy of a text, freed with the gates. Equal texts share one copy.
    [main] */
 OPC_EXPORT char *eda_gates_text(eda_gates *gates, const char *text);
 
@@ -142,7 +144,8 @@ OPC_UNUSED static inline eda_goal eda_gates_goal(const eda_gates *gates,
 
 /* Return the flavour of transistor i; "" if it has none. [any] */
 OPC_EXPORT const char *eda_gates_flavour(const eda_gates *gates, size_t i);
-/* Copy gate j of `from` to gate i of `to` without box, names, number. [main] */
+/* Copy type, axis, sizes, space, extension, goal and flavour of gate j of
+   `from` to gate i of `to`. [main] */
 OPC_EXPORT void eda_gates_copy(eda_gates *to, size_t i, const eda_gates *from,
                                size_t j);
 
@@ -164,14 +167,17 @@ enum {
   EDA_PRINT_OPEN = 1 << 0,      /* the poly does not print across the whole
                                    width */
   EDA_PRINT_NO_ACTIVE = 1 << 1, /* the active does not print */
-  EDA_PRINT_MERGED = 1 << 2,    /* the printed poly reaches a neighbour */
+  EDA_PRINT_MERGED = 1 << 2,    /* the printed poly or active has no edge up to
+                                   half of the free space, or up to 300 nm
+                                   beyond the drawn edge */
   EDA_PRINT_SHORT = 1 << 3,     /* the poly ends within the printed active */
   EDA_PRINT_ISLAND = 1 << 4,    /* poly or active prints as several shapes */
   /* The flags below are warnings, not failures. */
-  EDA_PRINT_NECK = 1 << 5,    /* a slice is far shorter than the drawn gate */
-  EDA_PRINT_WIDE = 1 << 6,    /* a slice is far longer than the drawn gate */
-  EDA_PRINT_NOTCH = 1 << 7,   /* the printed edge of the active is not straight
-                                in the channel */
+  EDA_PRINT_NECK = 1 << 5,  /* a slice is shorter than 0.75 times the drawn
+                               length */
+  EDA_PRINT_WIDE = 1 << 6,  /* a slice is longer than twice the drawn length */
+  EDA_PRINT_NOTCH = 1 << 7, /* the printed edge of the active is not straight
+                              in the channel */
   EDA_PRINT_OUTSIDE = 1 << 8, /* as eda_performance.outside */
   EDA_PRINT_NOTES = 15 << 5   /* mask of the warning flags */
 };
@@ -234,7 +240,8 @@ typedef struct eda_part {
 
 enum { EDA_PARTS = 18 }; /* largest number of parts of a gate */
 
-/* -EDA_PART_END, EDA_PART_END: ends of the gate's fragments. */
+/* Values of eda_part: `from` = -EDA_PART_END and `to` = EDA_PART_END denote the
+   LOW and the HIGH end of the gate's fragments. */
 enum { EDA_PART_END = 1 << 20 };
 
 /* Directions in which the biases of a gate are mirrored, as in a mirrored cell.
@@ -254,9 +261,10 @@ typedef struct eda_moved {
   eda_part *part;        /* [EDA_PARTS * i + k] */
   uint8_t *flip;         /* EDA_FLIP_* of each gate */
   eda_box_list *added;   /* [layers], shapes added to the mask */
-  eda_box_list *cutouts; /* [layers], shapes cut out of the mask afterwards */
+  eda_box_list *cutouts; /* [layers], shapes cut out of the mask after the
+                            additions */
   double *seen; /* [gates], ln(Ion of a fast simulation / Ion of an accurate
-                   one), 0: unknown. Since 0.6. */
+                   simulation); 0 if unknown. Since 0.6. */
 } eda_moved;
 
 /* Return zeroed displacements; free them (NULL: do nothing). [any] */
@@ -267,8 +275,8 @@ OPC_EXPORT void eda_moved_free(eda_moved *moved);
 typedef struct eda_violation {
   /* RULE or "RULE; REASON". RULE is a name such as "bridging". REASON is
      present if drawn shapes or a parameter prevent any mask from satisfying the
-     rule; otherwise the correction is at fault. Constant if from a
-     regulator. */
+     rule; otherwise the correction is at fault. A regulator returns constant
+     texts. */
   const char *rule;
   int32_t gate;        /* index of the transistor; -1: none */
   double x, y;         /* position, nm */
@@ -285,14 +293,15 @@ struct eda_mask_part;
 typedef int eda_mask_visit(void *data, const struct eda_mask_part *part,
                            opc_error *error);
 
-/* Access to the shapes of a mask by classes. `data` of the functions is
-   eda_mask.data. Fields may be appended. */
+/* Access to the shapes of a mask by classes (eda_mask, below). The functions
+   find their data in eda_mask.data. Fields may be appended. */
 typedef struct eda_mask_access {
   size_t size; /* of this struct */
 
-  /* Make the flat mask of a window, in grid units, with gates of its own:
-     transistors that touch `core`, shapes in a margin around it, figures of
-     their classes. [any] */
+  /* Make the flat mask of a window around `core` (grid units). The mask owns
+     its gates: the transistors that touch `core`, with the figures of their
+     classes. The shapes include a margin around `core`. The caller frees *out
+     by eda_mask_free. [any] */
   int (*window)(const struct eda_mask *mask, eda_box core,
                 struct eda_mask **out, opc_error *error);
 
@@ -302,14 +311,15 @@ typedef struct eda_mask_access {
   int (*layout)(const struct eda_mask *mask, int drawn,
                 const struct eda_layout **out, opc_error *error);
 
-  /* Make a flat mask around n classes, as window does with a core of `reach` nm
-     around the transistor of each class. Simulate the contours of these masks
-     and of the drawn shapes. [main] */
+  /* Make n flat masks out[n], one for each class: as `window`, with a core of
+     `reach` nm around the transistor of the class. Simulate the contours of
+     each mask and of the drawn shapes. The caller frees the masks by
+     eda_mask_free; on failure all are NULL. [main] */
   int (*simulate)(const struct eda_mask *mask, const size_t *classes, size_t n,
                   double reach, struct eda_mask **out, opc_error *error);
 
-  /* Implement eda_mask_each_class. `side`: largest side of a part without
-     2 * reach, nm. [main] */
+  /* Implement eda_mask_each_class. `side`: largest width and height of a part,
+     nm, without the margin of `reach` on each side. [main] */
   int (*each_class)(const struct eda_mask *mask, double reach,
                     eda_mask_visit *visit, void *data, opc_error *error);
   double side;
@@ -328,11 +338,13 @@ typedef struct eda_mask {
   const eda_gates *gates;
   size_t layers; /* equals gates->layers */
   /* The next two arrays are [layers], empty for uncorrected layers. */
-  eda_shapes *shapes; /* shapes on the grid of the gates, merged */
-  eda_field *print;   /* level set of the simulated contour of the corrected
-                         mask; empty if it was not simulated (since 0.6) */
-  eda_performance design, before, after;
-  uint32_t *flags; /* EDA_PRINT_* of each gate, for the corrected mask */
+  eda_shapes *shapes;     /* shapes on the grid of the gates, merged */
+  eda_field *print;       /* level set of the simulated contour of the corrected
+                             mask; empty if it was not simulated (since 0.6) */
+  eda_performance design; /* of the transistors as drawn */
+  eda_performance before; /* printed from the drawn mask */
+  eda_performance after;  /* printed from the corrected mask */
+  uint32_t *flags;        /* EDA_PRINT_* of each gate, for the corrected mask */
   uint32_t iterations;
   uint32_t simulations;      /* fast simulations, each of one layer */
   uint32_t fine_simulations; /* accurate simulations, each of one layer */
@@ -348,8 +360,8 @@ typedef struct eda_mask {
   /* The next fields are NULL for a flat mask. Since 0.9. */
   struct eda_chip *chip;         /* all transistors, with their classes */
   uint32_t *count;               /* [gates->count], transistors of a class */
-  eda_gates *own;                /* gates that eda_mask_free frees, with `chip`;
-                                    NULL: both belong to another mask */
+  eda_gates *own;                /* `gates`, if eda_mask_free frees them and
+                                    `chip`; NULL: both belong to another mask */
   const eda_mask_access *access; /* valid while the mask exists */
   void *data;                    /* of `access`; not owned */
   struct eda_mask *flat;         /* made by eda_mask_flat; owned */
@@ -363,11 +375,12 @@ OPC_UNUSED static inline double eda_mask_count(const eda_mask *mask, size_t i) {
 /* A flat mask that is a whole mask, or a part of a mask by classes. */
 typedef struct eda_mask_part {
   const eda_mask *mask; /* figures and flags are those of the classes */
-  const uint32_t *gate; /* index of each gate in the gates of the whole mask;
-                           UINT32_MAX: only a neighbour; NULL: the part is the
-                           whole mask */
-  double clear; /* clear field that a simulation of the part needs, nm; NAN: as
-                   for a layout */
+  /* Index of each gate in the gates of the whole mask; UINT32_MAX for a gate
+     that is in this part only as a neighbour of others. NULL: the part is the
+     whole mask. */
+  const uint32_t *gate;
+  double clear; /* width of the clear field that a simulation of the part needs
+                   around it, nm; NAN: the width for a whole layout */
   size_t index, count; /* number of this part; number of parts */
 } eda_mask_part;
 
@@ -377,10 +390,11 @@ OPC_UNUSED static inline size_t eda_mask_part_gate(const eda_mask_part *part,
   return part->gate ? part->gate[i] : i;
 }
 
-/* Visit flat masks that together contain one transistor of each class: clips of
-   the layout side by side, to simulate the transistors. Clips have all shapes
-   within `reach` nm, and at least within the range of optical interaction. A
-   flat mask is visited as a whole. [main] */
+/* Visit flat masks (parts) that together contain one transistor of each class,
+   to simulate these transistors. A part consists of clips of the layout side by
+   side. Each clip has all shapes within `reach` nm of its transistor, and at
+   least within the range of optical interaction. A flat mask is visited as a
+   whole. [main] */
 OPC_EXPORT int eda_mask_each_class(const eda_mask *mask, double reach,
                                    eda_mask_visit *visit, void *data,
                                    opc_error *error);
@@ -390,28 +404,32 @@ OPC_EXPORT int eda_mask_each_class(const eda_mask *mask, double reach,
    to the mask. [any] */
 OPC_EXPORT eda_gates eda_mask_part_outline(const eda_mask *mask, double reach);
 
-/* Visit all transistors once, in the order of a flat mask: strips of the layout
-   with the shapes around them. Transistors have their names. A flat mask is
-   visited as a whole. [main] */
+/* Visit strips of the layout, from bottom to top, with the shapes around each
+   strip. Together the strips contain each transistor once, with its name, in
+   the order of a flat mask. A flat mask is visited as a whole. [main] */
 OPC_EXPORT int eda_mask_each_strip(const eda_mask *mask, eda_mask_visit *visit,
                                    void *data, opc_error *error);
 
-/* Return the mask of all transistors and shapes at once: the mask itself if it
-   is flat, or a mask that belongs to `mask`. The gates are equal for masks that
-   share their transistors. Consumers that have no other way call it and add
-   eda_mask_flat_bytes to their forecast. [main] */
+/* Write a mask with all transistors and shapes to *out: `mask` itself if it is
+   flat, otherwise a flat mask that belongs to `mask`. Flat masks of masks that
+   share a chip (eda_mask_share) also share their gates. Call this only if the
+   visits above do not suffice, and add eda_mask_flat_bytes to the forecast of
+   memory. [main] */
 OPC_EXPORT int eda_mask_flat(const eda_mask *mask, const eda_mask **out,
                              opc_error *error);
 /* Return the memory that eda_mask_flat needs, bytes. [any] */
 OPC_EXPORT double eda_mask_flat_bytes(const eda_mask *mask);
 
-/* Give a new mask for the gates of `of` its classes and transistors, without
-   shapes and figures. `of`, which may be flat, must outlive the mask. [main] */
+/* Let a new mask, created for the gates of `of`, use the chip and the access of
+   `of`. Copy the numbers of transistors of the classes, and set the edge
+   displacements if the new mask has none. Shapes and figures are not copied. Do
+   nothing if `of` is flat. `of` must outlive the mask. [main] */
 OPC_EXPORT void eda_mask_share(eda_mask *mask, const eda_mask *of);
 
-/* Return a mask without shapes, performance and flags, which the caller
-   allocates by eda_alloc. Free a mask with all arrays (NULL: do nothing). Check
-   that a mask is complete: return OPC_OK, or OPC_FAILED and *error. [any] */
+/* eda_mask_new: return a mask without shapes, performance and flags, which the
+   caller allocates by eda_alloc. eda_mask_free: free a mask with all arrays
+   (NULL: do nothing). eda_mask_check: check that a mask is complete; return
+   OPC_OK, or OPC_FAILED and *error. [any] */
 OPC_EXPORT eda_mask *eda_mask_new(const eda_gates *gates);
 OPC_EXPORT void eda_mask_free(void *mask);
 OPC_EXPORT int eda_mask_check(const void *mask, opc_error *error);
@@ -421,10 +439,13 @@ OPC_EXPORT void eda_mask_set_violations(eda_mask *mask,
                                         const eda_violation *violations,
                                         size_t n);
 
-/* Write a mask without its gates to FOLDER/mask, but a mask by classes that
-   owns its gates to FOLDER/classes; read FOLDER/mask for equal gates,
-   bit-identical on the same machine. For `save` and `restore` of steps
-   (opcflow/step.h). Errors: OPC_IO; OPC_FAILED for another format. [any] */
+/* eda_mask_save: write a mask without its gates to FOLDER/mask. A mask by
+   classes that owns its gates is written with chip and sizes to FOLDER/classes
+   (read by eda_chip_mask_restore, chip.h). eda_mask_restore: read FOLDER/mask
+   for gates equal to those of the saved mask; all data are bit-identical on the
+   same machine. The caller frees *mask, also after a failure. For `save` and
+   `restore` of steps (opcflow/step.h). Errors: OPC_IO; OPC_FAILED if the file
+   has another format or belongs to other gates. [any] */
 OPC_EXPORT int eda_mask_save(const eda_mask *mask, const char *folder,
                              opc_error *error);
 OPC_EXPORT int eda_mask_restore(const eda_gates *gates, const char *folder,

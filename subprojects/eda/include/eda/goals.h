@@ -19,7 +19,8 @@ OPC_EXPORT const char *eda_goal_fault(const eda_goal *goal);
 
 /* Read the CSV file `path` into out[gates->count]. Values of transistors and
    columns that the file does not name stay unchanged. The first line names the
-   columns: transistor (as in gates.csv), and some of weight, ion, ioff, area.
+   columns: transistor (OWNER:NUMBER, as in gates.csv), and any of weight, ion,
+   ioff, area.
    Errors name the parameter "wishes", the line and the column. [any] */
 OPC_EXPORT int eda_goals_read(const char *path, const eda_gates *gates,
                               eda_goal *out, opc_error *error);

@@ -72,8 +72,9 @@ typedef struct eda_kernels {
   void (*transfer)(const void *self, size_t s, const double *fx, double fy,
                    size_t n, float *out);
   const void *self;
-  /* Transmission of the mask = offset + scale * (function of the spectrum),
-     both complex (real, imaginary part); for example offset 0 and scale 1. */
+  /* The transmission of the mask is offset + scale * t(x, y), t being the
+     function that the spectrum describes. Both numbers are complex (real,
+     imaginary part). Scale 0 counts as 1. */
   double offset[2], scale[2];
   /* Number of residual terms of the truncated kernels (at most EDA_RESIDUALS).
      Term k is the intensity of kernel count + k, filtered: the spectrum of
@@ -116,7 +117,8 @@ OPC_EXPORT int eda_coherent_sum(const opc_context *context,
    (nm^2) added to the shapes. `weight` and *out have the same grid and contain
    values at nodes, not coefficients. The numbers of nodes along x and y are
    even and exceed the numbers of frequencies of the mask's spectrum. Residual
-   terms are omitted. OPC_INVALID: kernels with `mirror`, other grids. [any] */
+   terms are omitted. Return OPC_INVALID for other numbers of nodes and for
+   kernels with the function `mirror`. [any] */
 OPC_EXPORT int eda_coherent_gradient(const opc_context *context,
                                      const eda_spectrum *mask,
                                      const eda_kernels *kernels,
@@ -124,8 +126,8 @@ OPC_EXPORT int eda_coherent_gradient(const opc_context *context,
                                      opc_error *error);
 
 /* Estimated size of an image of many kernels, for a model of a given band,
-   1/nm: columns and rows of the Fourier transforms; bytes of the computation,
-   with the image; bytes of the image. */
+   1/nm: columns and rows of the Fourier transforms; memory of the computation
+   including the image (`bytes`), and of the image alone (`field`), bytes. */
 typedef struct eda_image_size {
   double columns, rows, bytes, field;
 } eda_image_size;
@@ -189,15 +191,16 @@ OPC_EXPORT int eda_field_diffuse(const opc_context *context, eda_field *field,
 OPC_EXPORT int eda_field_resample(const opc_context *context, eda_field *field,
                                   double step, opc_error *error);
 
-/* Replace the coefficients by the values at the nodes (x0 + i dx, y0 + j dy);
-   replace such values by the coefficients of the interpolating spline. */
+/* eda_field_samples: replace the coefficients by the values at the nodes (x0 +
+   i dx, y0 + j dy). eda_field_from_samples: replace such values by the
+   coefficients of the interpolating spline. */
 OPC_EXPORT void eda_field_samples(const opc_context *context, eda_field *field);
 OPC_EXPORT void eda_field_from_samples(const opc_context *context,
                                        eda_field *field);
 
 /* Return the signed distance, nm, from (x, y) to the nearest sign change of a
-   field along x (axis 0) or y (axis 1), within +-reach; NAN if there is none.
-   Close pairs of sign changes are found, too: the signs of the spline's
+   field along x (axis 0) or y (axis 1), within +-reach; NAN without sign
+   change. Close pairs of sign changes are found, too: the signs of the spline's
    Bernstein coefficients bound the number of sign changes. */
 OPC_EXPORT double eda_field_edge(const eda_field *field, int axis, double x,
                                  double y, double reach);

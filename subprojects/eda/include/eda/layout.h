@@ -95,8 +95,8 @@ OPC_EXPORT int eda_layout_add_instance(eda_layout *layout, int32_t cell,
 OPC_EXPORT int32_t eda_layout_import(eda_layout *to, const eda_layout *from,
                                      int32_t cell, opc_error *error);
 
-/* Return the length of a database unit, nm; the number of cells, of layers; the
-   name of a cell, of a layer. */
+/* Return the length of a database unit, nm; the number of cells; the number of
+   layers; the name of a cell; the name of a layer. */
 OPC_EXPORT double eda_layout_unit(const eda_layout *layout);
 OPC_EXPORT size_t eda_layout_cells(const eda_layout *layout);
 OPC_EXPORT size_t eda_layout_layers(const eda_layout *layout);
@@ -104,10 +104,10 @@ OPC_EXPORT const char *eda_layout_cell_name(const eda_layout *layout,
                                             int32_t cell);
 OPC_EXPORT const char *eda_layout_layer_name(const eda_layout *layout,
                                              int32_t layer);
-/* Set the name of a layer in the file that the layout was read from, such as
-   "66/20", which is copied; return that name, or the name of the layer if none
-   was set. Writers use the names where a format does not allow the layer's own
-   name. */
+/* eda_layout_set_file_layer: set the name of a layer in the file from which the
+   layout was read, such as "66/20"; the name is copied. eda_layout_file_layer:
+   return this name, or the name of the layer if none was set. Writers use it if
+   their format does not allow the layer's own name. */
 OPC_EXPORT void eda_layout_set_file_layer(eda_layout *layout, int32_t layer,
                                           const char *name);
 OPC_EXPORT const char *eda_layout_file_layer(const eda_layout *layout,

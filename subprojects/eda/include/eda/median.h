@@ -17,11 +17,12 @@ typedef struct eda_median {
   int64_t n;        /* number of values */
 } eda_median;
 
-/* Return the median of n finite values, and a 95 % confidence interval of the
-   median of their distribution, which must be continuous. The interval is
-   between two order statistics (binomial distribution), interpolated after
-   Hettmansperger and Sheather, Statist. Probab. Lett. 4 (1986) 75. [any]
-   (opcflow/plugin.h) */
+/* Return the median of n finite values, and a 95 % confidence interval (93.75 %
+   for five values) of the median of their distribution, which must be
+   continuous. The probability that the range between two order statistics
+   contains the median follows from the binomial distribution. The ends are
+   interpolated between two such ranges (Hettmansperger and Sheather, Statist.
+   Probab. Lett. 4 (1986) 75). [any] (opcflow/plugin.h) */
 OPC_EXPORT eda_median eda_median_of(const double *values, size_t n);
 
 OPC_C_END

@@ -26,9 +26,9 @@ typedef struct eda_assignment {
 } eda_assignment;
 
 typedef struct eda_element {
-  int is_transistor; /* 0: instance of a subcircuit; 1: MOS transistor. Set
-                        again by eda_netlist_prepare for transistors of a kit
-                        (X). */
+  int is_transistor; /* 0: instance of a subcircuit; 1: MOS transistor.
+                        eda_netlist_prepare changes 0 to 1 for an X element that
+                        is a transistor of a process design kit. */
   const char *name;  /* as in the file, with the letter of the element */
   eda_place at;
   size_t nodes;
@@ -89,15 +89,17 @@ typedef struct eda_netlist {
   size_t left_out; /* number of omitted capacitors and diodes of subcircuits */
 } eda_netlist;
 
-/* Scope of an expression: its subcircuit, as instance `call` in `caller`. */
+/* Scope in which an expression is evaluated: an instance of a subcircuit. */
 typedef struct eda_scope {
-  const struct eda_scope *caller; /* NULL: the top */
-  const eda_subcircuit *of;
-  const eda_element *call;
+  const struct eda_scope *caller; /* scope that contains the instance; NULL for
+                                     the top subcircuit */
+  const eda_subcircuit *of;       /* the subcircuit */
+  const eda_element *call;        /* the instance; NULL for the top */
 } eda_scope;
 
-/* Read a file and its included files. The netlist must not move in memory. The
-   caller clears the netlist, also after a failure. [main] */
+/* Read the subcircuits and parameters of a file and its included files.
+   Elements outside of subcircuits are ignored. The netlist must not move in
+   memory. The caller clears the netlist, also after a failure. [main] */
 OPC_EXPORT int eda_netlist_read(eda_netlist *n, const char *path);
 OPC_EXPORT void eda_netlist_clear(eda_netlist *n);
 
@@ -150,8 +152,8 @@ OPC_EXPORT int eda_netlist_flatten(eda_netlist *n, const eda_scope *top,
 typedef struct eda_card {
   const char *name, *kind; /* "nmos", "pmos" */
   size_t count;
-  const char **key, **value; /* all parameters except dlc, and CGSO and CGDO
-                                also if the card lacks them */
+  const char **key, **value; /* all parameters except DLC, with CGSO and CGDO
+                                added if the card lacks them */
   double dlc; /* dlc of the card, or else its lint, or else 0; nm */
 } eda_card;
 
@@ -162,7 +164,8 @@ typedef struct eda_card {
 OPC_EXPORT int eda_card_read(eda_pool *pool, const char *path, const char *name,
                              int type, eda_card *out, opc_error *error);
 
-/* Set paths[2] to the absolute paths of files[2], NULL for NULL. If `read`,
+/* Set paths[2] to the absolute paths of files[2]; a path is NULL if the file is
+   NULL. If `read` is 1,
    read the models names[2] from these files into card[2]; files[EDA_NMOS] must
    then exist. If files[EDA_PMOS] is NULL, both models are in files[EDA_NMOS].
    Errors of paths name the parameter "models" or "pmos_models"; errors in a
@@ -183,11 +186,15 @@ typedef struct eda_annotation {
   const eda_circuit *circuit;
   const eda_mask *mask; /* may be NULL for EDA_DRAWN */
   int state;
-  const char *model[2];    /* names, [EDA_NMOS] and [EDA_PMOS]; NULL, only
-                              without card: the model of each device */
-  const eda_card *card[2]; /* cards whose DLC is corrected; NULL: none */
-  /* 1: models are subcircuits, so transistors are instances X, not M. `unit`:
-     length of the number 1, nm (1000: "l=0.15"); 0: sizes in m ("l=150e-9"). */
+  /* Names of the models, [EDA_NMOS] and [EDA_PMOS]. NULL, allowed only if
+     card[] of the type is NULL: each device has its own model
+     (eda_device.model). */
+  const char *model[2];
+  const eda_card *card[2]; /* cards that are copied with a corrected DLC; NULL:
+                              DLC is not corrected */
+  /* 1: models are subcircuits, so transistors are written as instances X, not
+     as M. `unit`: unit of the written sizes, nm (for 1000, 150 nm is "l=0.15");
+     0: sizes are written in m ("l=150e-9"). */
   int subcircuits;
   double unit;
 } eda_annotation;

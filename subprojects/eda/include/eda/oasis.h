@@ -80,8 +80,9 @@ OPC_EXPORT eda_oasis *eda_oasis_new(FILE *file);
 /* Free a writer (NULL: do nothing); the file stays open. */
 OPC_EXPORT void eda_oasis_free(eda_oasis *out);
 
-/* Return the number of bytes written to the file; the CRC32 of these bytes; the
-   number of bytes collected for the next block. */
+/* eda_oasis_place: return the number of bytes written to the file.
+   eda_oasis_crc: return the CRC32 of these bytes. eda_oasis_collected: return
+   the number of bytes collected for the next block. */
 OPC_EXPORT uint64_t eda_oasis_place(const eda_oasis *out);
 OPC_EXPORT uint32_t eda_oasis_crc(const eda_oasis *out);
 OPC_EXPORT size_t eda_oasis_collected(const eda_oasis *out);

@@ -40,18 +40,21 @@ typedef struct eda_printer {
   eda_field *print; /* [layers]: level sets, positive where the resist prints */
   uint32_t simulations;
 
-  /* Largest error of accurate simulations (clear field: 1), 0: none. The caller
-     sets `fine` between eda_printer_init and eda_printer_prepare, which sets 0
-     if the model has no accurate image. Arrays [layers], used if `fine` > 0:
-     last intensity passed to the resist; accurate minus fast image; 1 if
-     print[] is from an accurate simulation. */
+  /* Largest intensity error of accurate simulations (clear field: 1); 0: no
+     accurate simulations. The caller sets `fine` between eda_printer_init and
+     eda_printer_prepare, which sets 0 if the model has no function
+     image_fine. */
   double fine;
-  eda_field *image, *difference;
-  uint8_t *is_fine;
+  eda_field *image; /* [layers]: last intensity passed to the resist; used if
+                       `fine` > 0 or `keeps` is 1 */
+  eda_field *difference; /* [layers]: accurate minus fast intensity of the same
+                            mask; used if `fine` > 0 */
+  uint8_t *is_fine; /* [layers]: 1 if print[] is from an accurate simulation */
   uint32_t fine_simulations;
 
-  /* The caller may set, at the same time as `fine`: the defocus, nm, for a
-     model with image_at; `keeps` = 1, to keep `image` even if `fine` is 0. */
+  /* The caller may set these at the same time as `fine`. `defocus`, nm: defocus
+     of all images, for a model with image_at. `keeps` = 1: keep `image` even if
+     `fine` is 0. */
   double defocus;
   int keeps;
 
@@ -60,8 +63,8 @@ typedef struct eda_printer {
      transistors do not differ between parts. */
   const eda_gates *drawn;
 
-  /* [layers]: largest error of accurate simulations of a layer; 0: `fine`. The
-     caller may set it at any time. */
+  /* [layers]: largest intensity error of accurate simulations of a layer; 0:
+     the value of `fine`. The caller may change the array at any time. */
   double *fine_of;
 } eda_printer;
 
@@ -172,13 +175,16 @@ typedef struct eda_spread {
   size_t failed, outside;
 } eda_spread;
 
-/* Sums from which deviations are computed; zeroed at the start. */
+/* Sums from which deviations are computed; zero the struct before the first
+   eda_spread_add. */
 typedef struct eda_spread_sums {
   struct {
-    double n, off, square, printed, drawn;
-  } of[3];
-  double worst;
-  size_t failed, outside;
+    double n;              /* number of transistors */
+    double off, square;    /* sums of the Ion deviation, %, and of its square */
+    double printed, drawn; /* sums of Ioff, A, printed and drawn */
+  } of[3];                 /* EDA_NMOS, EDA_PMOS, both */
+  double worst;           /* Ion deviation with the largest absolute value, % */
+  size_t failed, outside; /* numbers of transistors */
 } eda_spread_sums;
 
 /* Add the deviations of gates. `count`: number of transistors that each gate
@@ -198,7 +204,8 @@ OPC_EXPORT eda_spread eda_spread_of(const eda_gates *gates,
 
 /* A section through the middle of a gate. */
 typedef struct eda_section {
-  double length;    /* printed length or width, nm; NAN: open or merged */
+  double length;    /* printed length or width, nm; NAN (as `low` and `high`) if
+                       the middle does not print or an edge is missing */
   double low, high; /* image log slope |dI/dl| / I at the ends, 1/nm */
 } eda_section;
 

@@ -15,10 +15,10 @@ OPC_C_BEGIN
    first request. */
 typedef struct eda_table eda_table;
 
-/* Read a table from a file of up to 1 GB. Return NULL and *error on failure:
-   OPC_IO if the file cannot be read; OPC_INVALID if it is larger or not UTF-8,
-   and with file:line:column if it is malformed. Each row must have as many
-   fields as the first line. */
+/* Read a table from a file of up to 1 GB. Each row must have as many fields as
+   the first line. Return NULL and *error on failure: OPC_IO if the file cannot
+   be read; OPC_INVALID if the file is larger than 1 GB or not UTF-8;
+   OPC_INVALID with file:line:column if a line is malformed. */
 OPC_EXPORT eda_table *eda_table_read(const char *path, opc_error *error);
 OPC_EXPORT void eda_table_free(eda_table *table);
 
@@ -54,7 +54,7 @@ typedef struct eda_run_metric {
   const char *name; /* "mask.ion_max" */
   const char *unit; /* NULL: dimensionless */
   double value;     /* NAN: no value */
-  int better;       /* EDA_RUN_LOWER ... */
+  int better;       /* direction of improvement: EDA_RUN_LOWER ... */
   double tolerance; /* largest insignificant difference, in `unit` */
 } eda_run_metric;
 
@@ -168,8 +168,8 @@ typedef struct eda_run_cases eda_run_cases;
 OPC_EXPORT int eda_run_is_experiment(const char *folder);
 
 /* Read the table of an experiment. Return NULL and *error as in eda_table_read.
-   OPC_INVALID also if a case or method has no name, if a run folder is outside
-   the experiment, or if a case has a method twice. [any] */
+   Further errors with OPC_INVALID: a case or method has no name, a run folder
+   is outside the experiment, or a case has a method twice. [any] */
 OPC_EXPORT eda_run_cases *eda_run_cases_open(const char *folder,
                                              opc_error *error);
 OPC_EXPORT void eda_run_cases_free(eda_run_cases *cases);

@@ -90,10 +90,11 @@ OPC_EXPORT int eda_segment_window(const eda_layout *layout, int32_t top,
    transistors. [any] */
 OPC_EXPORT int32_t eda_segment_halo(const eda_segment_settings *settings);
 
-/* Segment a window of `core` and a margin of max(`halo`, eda_segment_halo) grid
-   units, which grows if relevant transistors are clipped. For transistors that
-   touch the core, all data are bit-identical to those of the whole layout; the
-   edges in the core belong to the same transistors. [any] */
+/* Segment a window that consists of `core` and a margin of max(`halo`,
+   eda_segment_halo) grid units. The margin grows until no transistor that
+   influences the core is clipped. For transistors that touch the core, all data
+   are bit-identical to those of the whole layout. Edges in the core belong to
+   the same transistors as in the whole layout. [any] */
 OPC_EXPORT int eda_segment_core(const eda_layout *layout, int32_t top,
                                 const eda_segment_settings *settings,
                                 eda_box core, int32_t halo, eda_gates **gates,

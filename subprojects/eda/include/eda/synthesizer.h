@@ -9,12 +9,13 @@
 
 OPC_C_BEGIN
 
-/* Moves of a gate that the regulator forbids, as flags. */
+/* Moves of a gate that the regulator forbids, as flags. After a veto of L, a
+   synthesizer reverts L and corrects with W. */
 enum {
-  EDA_VETO_LONGER = 1 << 0, /* larger L: revert L and continue with W */
-  EDA_VETO_SHORTER = 1 << 1,
-  EDA_VETO_WIDER = 1 << 2,
-  EDA_VETO_NARROWER = 1 << 3
+  EDA_VETO_LONGER = 1 << 0,  /* larger L */
+  EDA_VETO_SHORTER = 1 << 1, /* smaller L */
+  EDA_VETO_WIDER = 1 << 2,   /* larger W */
+  EDA_VETO_NARROWER = 1 << 3 /* smaller W */
 };
 
 /* Measurements of one iteration. Arrays of gates->count or, marked [layers], of
@@ -43,12 +44,13 @@ typedef struct eda_feedback {
   /* Scanner, for default lengths (natural.h). Since 0.7. */
   eda_scanner scanner;
 
-  /* Largest |Ion deviation| that the step allows, %; NULL: unknown. Default of
-     the limit of a synthesizer. */
+  /* Largest |Ion deviation| that the step allows, %; NULL: unknown. A
+     synthesizer uses this value if its own limit is not set. */
   const double *ion_limit;
 
-  /* [EDA_RULES]: limits of mask rules of the step (rules.h), nm, 0: no rule;
-     NULL: unknown. Defaults of the rules of a synthesizer. Since 0.8. */
+  /* [EDA_RULES]: limits of mask rules of the step (rules.h), nm; 0 disables a
+     rule; NULL: unknown. A synthesizer uses these values if its own rules are
+     not set. Since 0.8. */
   const double *rules;
 } eda_feedback;
 
@@ -79,9 +81,9 @@ typedef struct eda_moves {
      `jog` then move the edges. */
   int32_t *const *shift;
 
-  /* [layers]: assist features (eda_cuts) of the simulated mask. The synthesizer
-     may replace the arrays by its own for the next mask, valid until its next
-     update. */
+  /* [layers]: assist features (eda_cuts) of the simulated mask. For the next
+     mask, the synthesizer may set other arrays, which must stay valid until the
+     next call of `update`. */
   eda_boxes *assists;
 
   /* Parts of gate i at [EDA_PARTS * i + k], ordered, without overlap, ended by

@@ -21,21 +21,23 @@ enum { EDA_SIZE_L = 0, EDA_SIZE_W = 1, EDA_SIZE_C = 2, EDA_SIZES = 3 };
    between the voltage levels of a slew. */
 enum { EDA_CAP_DELAY = 0, EDA_CAP_SLEW = 1, EDA_CAPS = 2 };
 
-/* Largest numbers of a cell. */
+/* Limits of the tables of a cell. */
 enum {
-  EDA_TIMING_INPUTS = 12,
-  EDA_TIMING_GRID = 16, /* slews, and loads; at least 2 each */
-  EDA_TIMING_POWERS = 4 /* coefficients of a cubic */
+  EDA_TIMING_INPUTS = 12, /* largest number of inputs */
+  EDA_TIMING_GRID = 16,   /* largest number of slews, and of loads; the smallest
+                             number of both is 2 */
+  EDA_TIMING_POWERS = 4   /* coefficients of a cubic */
 };
 
 typedef struct eda_timing_device {
   const char *name; /* name in the cell */
   uint8_t type;     /* EDA_NMOS, EDA_PMOS */
   uint32_t drain, gate, source, bulk;
-  double length, width; /* drawn size, nm, as drawn */
-  uint32_t bundle;      /* index of its group (bundle) of equivalent
-                           transistors */
-  double share;         /* share of the effect of the bundle */
+  double length, width; /* drawn size, nm */
+  uint32_t bundle; /* index of the bundle: a group of equivalent transistors
+                      with common sensitivities */
+  double share;    /* weight: the change of size of a bundle is the sum of
+                      share * change over the transistors of the bundle */
 } eda_timing_device;
 
 /* An arc: a change of one input, the others constant, switches an output. */
@@ -61,8 +63,8 @@ typedef struct eda_timing_pair {
   uint8_t first, second, output;
   uint8_t parallel;
   uint32_t from; /* inputs before both changes */
-  double *at[2]; /* slews of the first and second input: two corners each, and
-                    one point between */
+  double *at[2]; /* simulated slews of the first input and of the second input:
+                    two at the corners [0], [1], and one between [2] */
   /* Corners: [(first slew * 2 + second slew) * EDA_TIMING_GAPS + gap]; between:
      [4 * EDA_TIMING_GAPS + gap]. */
   double *delay, *slew;
@@ -74,7 +76,7 @@ typedef struct eda_timing_cell {
   size_t inputs, outputs;
   const char **pin; /* names of inputs, then outputs */
   uint32_t *port;   /* net of each pin */
-  uint8_t *level;   /* logic level, [output << inputs | inputs state] */
+  uint8_t *level;   /* logic level, [output << inputs | states of the inputs] */
   size_t nets;
   int8_t *rail; /* of each net: 1 supply, -1 ground, otherwise 0 */
   size_t devices, bundles;

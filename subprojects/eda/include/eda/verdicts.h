@@ -9,7 +9,8 @@
 
 OPC_C_BEGIN
 
-/* Compared figures, in the order of the sentence. */
+/* Compared figures, in the order in which the sentence (eda_verdict.text) names
+   them. */
 enum {
   EDA_CHANGE_LOST, /* transistors that do not print */
   EDA_CHANGE_ION,
@@ -39,7 +40,9 @@ typedef struct eda_change {
   double base, value; /* values of both methods: means over all transistors, or
                          sums over all cases */
   double change;      /* change from `base` to `value` */
-  eda_median median;  /* median of the changes of median.n cells or cases */
+  eda_median median;  /* median of the changes: over median.n layout cells, each
+                         with the mean change of its transistors, or over
+                         median.n cases */
   int64_t n;          /* number of transistors or cases that both runs
                          have; 0: no pair has the figure. EDA_CHANGE_LOST: 1 if
                          a transistor does not print in a run, else 0 */
@@ -72,9 +75,10 @@ OPC_EXPORT int eda_verdict_init(eda_verdict *out, const char *method,
                                 const eda_run_pair *pairs, opc_error *error);
 OPC_EXPORT void eda_verdict_clear(eda_verdict *v);
 
-/* Return the *n verdicts of all pairs of methods, for eda_verdicts_free. The
-   run folder of case c and method m is folders[c * n_methods + m], NULL for a
-   failed run. Return NULL and *error if a folder cannot be read. [main] */
+/* Return the *n verdicts of all pairs of methods, of each method against each
+   preceding method; free them with eda_verdicts_free. The run folder of case c
+   and method m is folders[c * n_methods + m], NULL for a failed run. Return
+   NULL and *error if a folder cannot be read. [main] */
 OPC_EXPORT eda_verdict *eda_verdicts_new(size_t n_cases, size_t n_methods,
                                          const char *const *methods,
                                          const char *const *folders, size_t *n,
