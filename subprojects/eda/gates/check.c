@@ -418,7 +418,8 @@ static int check_gate(const eda_gates *g, size_t i, opc_error *error) {
     eda_goal goal = eda_gates_goal(g, i);
     const char *fault = eda_goal_fault(&goal);
     if (!fault) return OPC_OK;
-    return unsound(error, "the goal of transistor %zu has no %s", i + 1, fault);
+    return unsound(error, "the goal of transistor %zu has no valid %s", i + 1,
+                   fault);
   }
   return unsound(error, "transistor %zu is not valid", i + 1);
 }

@@ -19,7 +19,7 @@ enum {
   PAGE = 4096,
   ALIGNED = 16,    /* bytes; alignment of arrays as by malloc */
   GUARD = 1 << 20, /* bytes of guard pages on each side */
-  RETIRED = 8192   /* freed arrays whose addresses are not used again */
+  RETIRED = 8192   /* number of freed arrays whose addresses stay unused */
 };
 
 /* Header before the array. The sizes precede the guard words, so that a short
@@ -58,9 +58,9 @@ static void *pages_reserve(void *at, size_t bytes) {
   return pages == MAP_FAILED ? NULL : pages;
 }
 
-/* Return a header whose array of `bytes` is followed by FENCE guard words and
-   guard pages. All other bytes between the guard pages are guard words. NULL if
-   the address space is limited. */
+/* Return the header of an array of `bytes` between guard pages. The array is
+   zeroed; all other bytes between the guard pages are guard words, at least
+   FENCE bytes after the array. Return NULL if no address space is left. */
 static fence *paged_new(size_t bytes) {
   size_t tail = round_up(bytes, ALIGNED) + FENCE;
   size_t paged = round_up(sizeof(fence) + tail, PAGE);

@@ -2,8 +2,8 @@
 /* Arrays between guard words, for output of plugins. Writes slightly out of
    bounds are detected and damage no other data. OPCFLOW_GUARD=pages adds 1 MB
    of inaccessible pages on each side and makes freed arrays inaccessible. A
-   write far out of bounds, or by a pointer kept from an earlier call, is then a
-   crash of the plugin. */
+   write far out of bounds, or by a pointer kept from an earlier call, then
+   crashes the plugin. */
 #pragma once
 
 #include <eda/imaging.h>

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Fails after a member is appended to eda_mask: add the member to move_mask,
-   then change this assertion. */
+/* This assertion fails after a member is appended to eda_mask. Add the member
+   to move_mask, then change the assertion. */
 G_STATIC_ASSERT(sizeof(eda_mask) ==
                 G_STRUCT_OFFSET(eda_mask, flat) + sizeof(void *));
 

@@ -167,8 +167,9 @@ int eda_srafs_place(const eda_sraf_edge *edges, size_t n,
 
 /* ---- scatter bars that print ---- */
 
-/* Spacing of the points at which a bar is tested, nm; the optics resolve no
-   less than 100 nm. Half and twice the value reject the same scatter bars. */
+/* Spacing of the points at which a bar is tested, nm. The optics do not resolve
+   structures below 100 nm. Half and twice the value reject the same scatter
+   bars. */
 static const double sraf_step = 10;
 
 /* Return the maximum of the level set on a bar, from points spaced at most

@@ -133,10 +133,12 @@ int eda_coherent_gradient(const opc_context *context, const eda_spectrum *mask,
   memset(out, 0, sizeof *out);
   if (kernels->mirror || j.nx % 2 || j.ny % 2 || j.nx <= 2 * j.reach ||
       j.ny <= 2 * j.half)
-    return opc_fail(error, OPC_INVALID, NULL,
-                    "no gradient of mirrored kernels, or on %d x %d nodes for "
-                    "%d x %d frequencies",
-                    j.nx, j.ny, 2 * j.reach + 1, 2 * j.half + 1);
+    return opc_fail(
+        error, OPC_INVALID, NULL,
+        "a gradient needs kernels without mirror symmetry, and even "
+        "numbers of nodes above the numbers of frequencies; found "
+        "%d x %d nodes and %d x %d frequencies",
+        j.nx, j.ny, 2 * j.reach + 1, 2 * j.half + 1);
   j.columns = 2 * (size_t)j.reach + 1;
   j.rows = 2 * (size_t)j.half + 1;
   size_t n = j.rows * j.columns, nodes = (size_t)j.nx * (size_t)j.ny;

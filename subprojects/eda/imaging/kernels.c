@@ -579,7 +579,7 @@ int eda_coherent_sum(const opc_context *context, const eda_spectrum *mask,
   if (!kernels->count || kernels->residuals > EDA_RESIDUALS ||
       !(kernels->band > 0 && kernels->intensity_band > 0))
     return opc_fail(error, OPC_INVALID, NULL,
-                    "an image needs a kernel, and at most %d residuals",
+                    "an image needs a kernel, bands, and at most %d residuals",
                     EDA_RESIDUALS);
   j.offset = eda_complex_of(j.kernels.offset);
   j.scale = eda_scale_of(&j.kernels);

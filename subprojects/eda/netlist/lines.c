@@ -13,8 +13,8 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-/* Largest nesting depth and number of included files; process libraries have
-   tens. */
+/* Largest nesting depth and number of included files. Process libraries include
+   tens of files. */
 enum { MAX_INCLUDES = 16, MAX_FILES = 10000 };
 /* Largest total size of all files, bytes. */
 #define MAX_BYTES ((size_t)1 << 28)

@@ -35,8 +35,7 @@ void transistors_clear(transistors *t);
 
 /* Changes of a figure from base runs to other runs, summed over all pairs of
    runs of two methods. The figure is the absolute deviation from the drawn
-   transistor, %. Transistors without a finite value in both runs are
-   excluded. */
+   transistor, %. A transistor counts only if both runs have a finite value. */
 typedef struct changes {
   double base, value; /* sums of the figure over the transistors */
   int64_t n, better, worse;

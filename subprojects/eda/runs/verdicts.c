@@ -135,7 +135,8 @@ static void append_number(GString *out, double x) {
   g_string_append_printf(out, fabs(x) < 10 ? "%.2g" : "%.0f", x);
 }
 
-/* Return |x|; if `swapped` and the unit is %, relative to the other method. */
+/* Return the absolute value of a change x. If `swapped` is 1, convert a change
+   in % relative to one method to the change relative to the other method. */
 static double size_of(const eda_change *c, double x, int swapped) {
   return fabs(swapped && *c->unit == '%' ? 100 / (1 + x / 100) - 100 : x);
 }

@@ -45,8 +45,8 @@ typedef struct segment {
   eda_box bounds;        /* bounds of the layers of the layout */
   double grid;
   int32_t overhang, line_end; /* NOT_GIVEN: scaled by the length of each gate */
-  int32_t reach;
-  source *source; /* poly, active, contact, then settings->also */
+  int32_t reach;              /* EDA_SEGMENT_REACH, grid units */
+  source *source;             /* poly, active, contact, then settings->also */
   size_t sources;
   eda_flat active;            /* unmerged, with placements */
   eda_shapes doping[DOPINGS]; /* merged */
@@ -135,8 +135,8 @@ void segment_cut(segment *s);
 /* space.c: compute the free space beside each gate. */
 void segment_space(segment *s);
 
-/* name.c: set instance, cell and number of each gate; not for windows without
-   paths. */
+/* name.c: set instance, cell and number of each gate: "", "" and 0 for a window
+   if settings->paths is 0. */
 void segment_name(segment *s);
 
 /* notes.c: parse the notes of each gate. */
@@ -145,5 +145,6 @@ int segment_notes(segment *s);
 /* Return OPC_INVALID with the position of region i and the fault. */
 int segment_refuse(segment *s, size_t i, const char *fault);
 
-/* Return the path of a placement (free()); *cell is its cell, -1 for none. */
+/* Return the path of a placement (free()), and its cell in *cell; -1 if the
+   placement does not exist. */
 char *segment_path(const segment *s, uint32_t placement, int32_t *cell);

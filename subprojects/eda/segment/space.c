@@ -2,7 +2,7 @@
 /* Free space beside each gate: from the middle of its side, the distance along
    L to the next edge of poly and to the end of the active. A sweep line moves
    in that direction over the edges that face the gates. A tree contains the
-   last passed edge at each place. Takes O(n log n). */
+   last passed edge at each position on the sweep line. Takes O(n log n). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

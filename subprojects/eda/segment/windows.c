@@ -13,7 +13,8 @@
    is enlarged and computed again. */
 #define BEYOND 1000.0
 
-/* Clip a window to the bounds of the layout, where nothing is cut. */
+/* Clip a window at one unit beyond the bounds of the layout, where the border
+   cuts no shape. */
 static void window_clip(eda_box *w, eda_box bounds) {
   bounds = eda_box_grown(bounds, 1);
   if (w->x0 < bounds.x0) w->x0 = bounds.x0;

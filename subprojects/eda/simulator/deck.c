@@ -21,13 +21,14 @@ typedef struct deck {
   FILE *out;
   const char *osdi; /* path of the OSDI file with compiled models; NULL: none */
   GMappedFile *objects; /* content of the OSDI file */
-  /* The members below are the state of the current file. */
+  /* State of the current file. */
   const char
       *wanted; /* section to copy; NULL: copy statements outside of sections */
-  int found;
-  const char *section; /* current section; NULL: outside of sections */
-  eda_place section_at;
-  /* key: model name with scope number; value: "FILE:LINE" of the statement */
+  int found;   /* 1: the file has the section `wanted` */
+  const char *section;  /* current section; NULL: outside of sections */
+  eda_place section_at; /* start of the section, for messages */
+  /* State of the whole deck. `models`: key: model name with scope number;
+     value: "FILE:LINE" of the statement. */
   GHashTable *models;
   unsigned scope;  /* number of the current scope; 0: outside of subcircuits */
   unsigned scopes; /* number of scopes so far */

@@ -128,7 +128,7 @@ static int add_rules(scmp_filter_ctx f, int file) {
   /* With ENOSYS, the C library uses clone, whose arguments seccomp can
      check. */
   bad |= seccomp_rule_add(f, SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3), 0);
-  /* No executable pages. */
+  /* Memory must not be executable. */
   const int maps[] = {SCMP_SYS(mmap), SCMP_SYS(mmap2), SCMP_SYS(mprotect)};
   for (size_t i = 0; i < sizeof maps / sizeof *maps; i++)
     bad |= seccomp_rule_add(f, SCMP_ACT_ALLOW, maps[i], 1,
@@ -138,7 +138,7 @@ static int add_rules(scmp_filter_ctx f, int file) {
   bad |= seccomp_rule_add(
       f, SCMP_ACT_ALLOW, SCMP_SYS(newfstatat), 1,
       SCMP_A3(SCMP_CMP_MASKED_EQ, AT_EMPTY_PATH, AT_EMPTY_PATH));
-  /* abort() */
+  /* for abort() */
   bad |= seccomp_rule_add(f, SCMP_ACT_ALLOW, SCMP_SYS(tgkill), 1,
                           SCMP_A0(SCMP_CMP_EQ, (scmp_datum_t)getpid(), 0));
   return bad;

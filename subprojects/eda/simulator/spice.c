@@ -196,9 +196,10 @@ static int child_judge(const reading *r, GSubprocess *child, opc_error *error) {
 
 /* ---- the process ---- */
 
-/* Return the path of the helper program (g_free): OPCFLOW_SIMULATOR if set;
-   relative to an installed library; otherwise in the build folder or the
-   installation prefix. */
+/* Return the path of the helper program (g_free): that of the environment
+   variable OPCFLOW_SIMULATOR if it is set. Otherwise, if this library is in a
+   library folder, return the path in the same installation. Otherwise return
+   the program of the build folder, or that of the installation prefix. */
 static char *find_program(void) {
   const char *own = g_getenv("OPCFLOW_SIMULATOR");
   Dl_info here;
