@@ -7,9 +7,6 @@
 
 #include "py.h"
 
-/* Files above this size (interpreters) are compared by size and time, bytes. */
-enum { HASHED = 1 << 20 };
-
 /* Variables that select the interpreter and its modules. */
 static const char *const variables[] = {"PATH",          "PYTHONPATH",
                                         "PYTHONHOME",    "VIRTUAL_ENV",
@@ -33,43 +30,31 @@ char *py_cache_folder(void) {
 static char *cache_path(const py_plugin *plugin) {
   g_autofree char *folder = py_cache_folder();
   if (!folder) return NULL;
-  GChecksum *sum = g_checksum_new(G_CHECKSUM_SHA256);
   g_autofree char *whole = g_canonicalize_filename(plugin->path, NULL);
-  g_checksum_update(sum, (const guchar *)whole, -1);
+  g_autoptr(GString) key = g_string_new(whole);
   for (size_t i = 0; i < G_N_ELEMENTS(variables); i++) {
     const char *value = g_getenv(variables[i]);
-    g_checksum_update(sum, (const guchar *)"\n", 1);
-    if (value) g_checksum_update(sum, (const guchar *)value, -1);
+    g_string_append_printf(key, "\n%s", value ? value : "");
   }
-  char *path = g_strconcat(folder, "/", g_checksum_get_string(sum), NULL);
-  g_checksum_free(sum);
-  return path;
+  g_autofree char *name =
+      g_compute_checksum_for_string(G_CHECKSUM_SHA256, key->str, -1);
+  return g_build_filename(folder, name, NULL);
 }
 
-/* Return a text that changes with the files of a description (g_free); NULL if
-   a file is missing. */
-static char *files_sum(JsonObject *about) {
-  JsonArray *files = json_object_get_array_member(about, "files");
-  GChecksum *sum = g_checksum_new(G_CHECKSUM_SHA256);
-  guint n = json_array_get_length(files), i = 0;
-  for (; i < n; i++) {
-    const char *path = json_array_get_string_element(files, i);
+/* Return size, time of change and inode of all files of a description (g_free);
+   NULL if a file is missing. */
+static char *files_state(JsonObject *about) {
+  JsonArray *files = py_list(about, "files");
+  GString *all = g_string_new(NULL);
+  for (guint i = 0; i < json_array_get_length(files); i++) {
     GStatBuf s;
-    g_autofree char *text = NULL;
-    gsize size = 0;
-    if (g_stat(path, &s)) break;
-    if (s.st_size > HASHED)
-      size = strlen(text = g_strdup_printf(
-                        "%lld %lld.%09ld", (long long)s.st_size,
-                        (long long)s.st_mtim.tv_sec, s.st_mtim.tv_nsec));
-    else if (!g_file_get_contents(path, &text, &size, NULL))
-      break;
-    g_checksum_update(sum, (const guchar *)path, (gssize)strlen(path) + 1);
-    g_checksum_update(sum, (const guchar *)text, (gssize)size);
+    if (g_stat(json_array_get_string_element(files, i), &s))
+      return g_string_free(all, TRUE);
+    g_string_append_printf(all, "%lld %lld.%09ld %llu\n", (long long)s.st_size,
+                           (long long)s.st_ctim.tv_sec, s.st_ctim.tv_nsec,
+                           (unsigned long long)s.st_ino);
   }
-  char *result = i == n ? g_strdup(g_checksum_get_string(sum)) : NULL;
-  g_checksum_free(sum);
-  return result;
+  return g_string_free(all, FALSE);
 }
 
 JsonNode *py_cache_get(const py_plugin *plugin) {
@@ -78,18 +63,17 @@ JsonNode *py_cache_get(const py_plugin *plugin) {
   g_autoptr(JsonNode) about = json_from_string(text, NULL);
   if (!about || !JSON_NODE_HOLDS_OBJECT(about)) return NULL;
   JsonObject *o = json_node_get_object(about);
-  g_autofree char *sum = files_sum(o);
-  return sum && !strcmp(sum, json_object_get_string_member_with_default(
-                                 o, "sum", ""))
+  g_autofree char *state = files_state(o);
+  return state && !g_strcmp0(state, py_text(o, "state"))
              ? g_steal_pointer(&about)
              : NULL;
 }
 
 void py_cache_put(const py_plugin *plugin) {
   JsonObject *o = json_node_get_object(plugin->about);
-  g_autofree char *path = cache_path(plugin), *sum = files_sum(o);
-  if (!path || !sum) return;
-  json_object_set_string_member(o, "sum", sum);
+  g_autofree char *path = cache_path(plugin), *state = files_state(o);
+  if (!path || !state) return;
+  json_object_set_string_member(o, "state", state);
   g_autofree char *text = json_to_string(plugin->about, FALSE);
   /* A folder that is not writable keeps no descriptions. */
   (void)g_file_set_contents(path, text, -1, NULL);

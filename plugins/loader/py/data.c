@@ -57,82 +57,79 @@ static void *field_array(const py_field *f, const void *from) {
   return array;
 }
 
-JsonObject *py_add_table(py_worker *w, JsonObject *to, const char *name,
-                         const py_table *table, size_t count,
-                         const void *from) {
-  JsonObject *o = py_object(to, name);
+void py_put_table(py_worker *w, const py_table *table, size_t count,
+                  const void *from, int lend) {
   for (size_t i = 0; i < table->count; i++) {
     const py_field *f = &table->fields[i];
-    py_add_array(w, o, f->name, f->type, count, f->width, field_array(f, from));
-  }
-  return o;
-}
-
-void py_get_table(const py_worker *w, JsonObject *from, const py_table *table,
-                  const void *to) {
-  for (size_t i = 0; i < table->count; i++) {
-    void *array = field_array(&table->fields[i], to);
-    if (array) py_get_array(w, from, table->fields[i].name, array);
+    void *array = field_array(f, from);
+    if (lend)
+      py_lend_array(w, f->name, f->type, count, f->width, array);
+    else
+      py_put_array(w, f->name, f->type, count, f->width, array);
   }
 }
 
 /* ---- other data ---- */
 
-void py_add_performance(py_worker *w, JsonObject *to, const char *name,
+void py_put_performance(py_worker *w, const char *name,
                         const eda_performance *p) {
-  if (p)
-    py_add_table(w, to, name, &py_performance, p->count, p);
-  else
-    json_object_set_null_member(to, name);
+  if (!p) {
+    py_put(w, name, "null");
+    return;
+  }
+  py_begin(w, name, '{');
+  py_put_table(w, &py_performance, p->count, p, 0);
+  py_end(w, '}');
 }
 
-void py_add_frame(py_worker *w, JsonObject *to, eda_frame frame) {
+void py_put_frame(py_worker *w, eda_frame frame) {
   const double sides[] = {frame.x0, frame.y0, frame.width, frame.height};
-  py_add_array(w, to, "frame", "f8", G_N_ELEMENTS(sides), 0, sides);
+  py_put_array(w, "frame", "f8", G_N_ELEMENTS(sides), 0, sides);
 }
 
-void py_add_scanner(JsonObject *to, eda_scanner scanner) {
-  JsonObject *o = py_object(to, "scanner");
-  py_set_number(o, "wavelength", scanner.wavelength);
-  py_set_number(o, "na", scanner.na);
+void py_put_scanner(py_worker *w, eda_scanner scanner) {
+  py_begin(w, "scanner", '{');
+  py_put_number(w, "wavelength", scanner.wavelength);
+  py_put_number(w, "na", scanner.na);
+  py_end(w, '}');
 }
 
-void py_add_texts(JsonObject *to, const char *name, const void *texts,
-                  size_t n) {
-  JsonArray *list = json_array_new();
+void py_put_texts(py_worker *w, const char *name, const void *texts, size_t n) {
+  py_begin(w, name, '[');
   for (size_t i = 0; texts && i < n; i++)
-    json_array_add_string_element(list, ((const char *const *)texts)[i]);
-  json_object_set_array_member(to, name, list);
+    py_put_text(w, NULL, ((const char *const *)texts)[i]);
+  py_end(w, ']');
 }
 
-void py_add_shapes(py_worker *w, JsonObject *to, const char *name,
-                   size_t layers, const eda_shapes *shapes) {
-  JsonArray *list = json_array_new();
+void py_put_shapes(py_worker *w, const char *name, size_t layers,
+                   const eda_shapes *shapes) {
+  py_begin(w, name, '[');
   for (size_t k = 0; shapes && k < layers; k++) {
     const eda_shapes *s = &shapes[k];
-    JsonObject *o = json_object_new();
-    py_add_array(w, o, "start", "u4", s->count ? s->count + 1 : 0, 0, s->start);
-    py_add_array(w, o, "points", "i4", s->count ? s->start[s->count] : 0, 2,
-                 s->points);
-    py_add_array(w, o, "hole", "u1", s->count, 0, s->hole);
-    json_array_add_object_element(list, o);
+    size_t n = s->count ? s->start[s->count] : 0;
+    py_begin(w, NULL, '{');
+    py_put_array(w, "start", "u4", s->count ? s->count + 1 : 0, 0, s->start);
+    py_put_array(w, "points", "i4", n, 2, s->points);
+    py_put_array(w, "hole", "u1", s->count, 0, s->hole);
+    py_end(w, '}');
   }
-  json_object_set_array_member(to, name, list);
+  py_end(w, ']');
 }
 
-void py_add_gates(py_worker *w, JsonObject *to, const char *name,
-                  const eda_gates *g) {
-  JsonObject *o = py_add_table(w, to, name, &py_gates, g->count, g);
+void py_put_gates(py_worker *w, const char *name, const eda_gates *g) {
   const int32_t extent[] = {g->extent.x0, g->extent.y0, g->extent.x1,
                             g->extent.y1};
-  json_object_set_string_member(o, "name", g->name);
-  py_set_number(o, "grid", g->grid);
-  json_object_set_int_member(o, "count", (gint64)g->count);
-  py_add_texts(o, "layers", g->layer, g->layers);
-  py_add_texts(o, "instance", g->instance, g->count);
-  py_add_texts(o, "cell", g->cell, g->count);
-  py_add_texts(o, "flavour", g->flavour, g->count);
-  py_add_array(w, o, "extent", "i4", 4, 0, extent);
-  py_add_array(w, o, "corrected", "u1", g->layers, 0, g->corrected);
-  py_add_shapes(w, o, "drawn", g->layers, g->drawn);
+  py_begin(w, name, '{');
+  py_put_table(w, &py_gates, g->count, g, 0);
+  py_put_text(w, "name", g->name);
+  py_put_number(w, "grid", g->grid);
+  py_put_int(w, "count", (int64_t)g->count);
+  py_put_texts(w, "layers", g->layer, g->layers);
+  py_put_texts(w, "instance", g->instance, g->count);
+  py_put_texts(w, "cell", g->cell, g->count);
+  py_put_texts(w, "flavour", g->flavour, g->count);
+  py_put_array(w, "extent", "i4", 4, 0, extent);
+  py_put_array(w, "corrected", "u1", g->layers, 0, g->corrected);
+  py_put_shapes(w, "drawn", g->layers, g->drawn);
+  py_end(w, '}');
 }

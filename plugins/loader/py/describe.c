@@ -12,28 +12,8 @@ static const char call_limit[] = "3600 s";
 
 enum { ALIGNMENT = 16 }; /* of fields, bytes: that of all their C types */
 
-/* ---- members ---- */
-
-static const char *text_of(JsonObject *o, const char *name) {
-  JsonNode *node = json_object_get_member(o, name);
-  return node && JSON_NODE_HOLDS_VALUE(node) ? json_node_get_string(node)
-                                             : NULL;
-}
-
-static double number_of(JsonObject *o, const char *name) {
-  JsonNode *node = json_object_get_member(o, name);
-  return node && JSON_NODE_HOLDS_VALUE(node) ? json_node_get_double(node) : 0;
-}
-
-/* Return an empty array if there is no member. */
-static JsonArray *array_of(JsonObject *o, const char *name) {
-  if (!json_object_has_member(o, name))
-    json_object_set_array_member(o, name, json_array_new());
-  return json_object_get_array_member(o, name);
-}
-
 int py_defines(const py_plugin *plugin, const char *method) {
-  JsonArray *all = array_of(json_node_get_object(plugin->about), "methods");
+  JsonArray *all = py_list(json_node_get_object(plugin->about), "methods");
   for (guint i = 0; i < json_array_get_length(all); i++)
     if (!strcmp(json_array_get_string_element(all, i), method)) return 1;
   return 0;
@@ -65,7 +45,7 @@ static uint32_t flags_of(JsonObject *o) {
                {"above", OPC_ABOVE},       {"at_most", OPC_AT_MOST},
                {"below", OPC_BELOW},       {"no_effect", OPC_NO_EFFECT}};
   uint32_t all = 0;
-  JsonArray *names = array_of(o, "flags");
+  JsonArray *names = py_list(o, "flags");
   for (guint i = 0; i < json_array_get_length(names); i++)
     for (size_t k = 0; k < G_N_ELEMENTS(flags); k++)
       if (!strcmp(json_array_get_string_element(names, i), flags[k].name))
@@ -77,20 +57,20 @@ static uint32_t flags_of(JsonObject *o) {
    field. */
 static int parameter_set(opc_parameter *p, JsonObject *o, size_t *offset,
                          opc_error *error) {
-  const char *type = text_of(o, "type");
+  const char *type = py_text(o, "type");
   for (size_t i = 0; i < G_N_ELEMENTS(types); i++) {
     if (!type || strcmp(type, types[i].name)) continue;
-    *p = (opc_parameter){.name = text_of(o, "name"),
+    *p = (opc_parameter){.name = py_text(o, "name"),
                          .type = types[i].type,
                          .flags = flags_of(o),
-                         .unit = text_of(o, "unit"),
-                         .preset = text_of(o, "preset"),
-                         .min = number_of(o, "min"),
-                         .max = number_of(o, "max"),
-                         .choices = text_of(o, "choices"),
-                         .summary = text_of(o, "summary"),
-                         .former = text_of(o, "former"),
-                         .follows = text_of(o, "follows"),
+                         .unit = py_text(o, "unit"),
+                         .preset = py_text(o, "preset"),
+                         .min = py_number(o, "min"),
+                         .max = py_number(o, "max"),
+                         .choices = py_text(o, "choices"),
+                         .summary = py_text(o, "summary"),
+                         .former = py_text(o, "former"),
+                         .follows = py_text(o, "follows"),
                          .offset = *offset,
                          .width = types[i].width};
     *offset += ALIGNMENT;
@@ -98,11 +78,11 @@ static int parameter_set(opc_parameter *p, JsonObject *o, size_t *offset,
   }
   return opc_fail(error, OPC_NO_PLUGIN, NULL,
                   "parameter '%s' has the unknown type '%s'",
-                  text_of(o, "name"), type ? type : "");
+                  py_text(o, "name"), type ? type : "");
 }
 
 static int parameters_set(opc_plugin *d, JsonObject *about, opc_error *error) {
-  JsonArray *list = array_of(about, "parameters");
+  JsonArray *list = py_list(about, "parameters");
   guint n = json_array_get_length(list);
   size_t offset = (sizeof(py_instance) + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
   opc_parameter *all = g_new0(opc_parameter, n + 1);
@@ -126,20 +106,20 @@ static int parameters_set(opc_plugin *d, JsonObject *about, opc_error *error) {
 }
 
 static void metrics_set(opc_plugin *d, JsonObject *about) {
-  JsonArray *list = array_of(about, "metrics");
+  JsonArray *list = py_list(about, "metrics");
   guint n = json_array_get_length(list);
   opc_metric *all = g_new0(opc_metric, n + 1);
   for (guint i = 0; i < n; i++) {
     JsonObject *o = json_array_get_object_element(list, i);
-    const char *better = text_of(o, "better");
+    const char *better = py_text(o, "better");
     all[i] =
-        (opc_metric){.name = text_of(o, "name"),
-                     .unit = text_of(o, "unit"),
+        (opc_metric){.name = py_text(o, "name"),
+                     .unit = py_text(o, "unit"),
                      .better = !g_strcmp0(better, "lower")    ? OPC_LOWER
                                : !g_strcmp0(better, "higher") ? OPC_HIGHER
                                                               : OPC_NEUTRAL,
-                     .tolerance = number_of(o, "tolerance"),
-                     .summary = text_of(o, "summary")};
+                     .tolerance = py_number(o, "tolerance"),
+                     .summary = py_text(o, "summary")};
   }
   d->metrics = all;
   d->n_metrics = n;
@@ -147,14 +127,6 @@ static void metrics_set(opc_plugin *d, JsonObject *about) {
 }
 
 /* ---- the descriptor ---- */
-
-static void files_set(py_plugin *plugin, JsonObject *about) {
-  JsonArray *list = array_of(about, "files");
-  guint n = json_array_get_length(list);
-  plugin->files = g_new0(const char *, n + 1);
-  for (guint i = 0; i < n; i++)
-    plugin->files[i] = json_array_get_string_element(list, i);
-}
 
 static int functions_set(py_plugin *plugin, const char *kind) {
   static const struct {
@@ -180,14 +152,12 @@ static int descriptor_set(py_plugin *plugin, opc_error *error) {
       .abi_minor = OPC_ABI_MINOR,
       .size = sizeof *d,
       .id = plugin->id,
-      .kind = text_of(about, "kind"),
-      .version = text_of(about, "version"),
-      .licence = text_of(about, "licence"),
-      .summary = text_of(about, "summary"),
-      .flags = OPC_REENTRANT | (json_object_get_boolean_member_with_default(
-                                    about, "deterministic", FALSE)
-                                    ? OPC_DETERMINISTIC
-                                    : 0),
+      .kind = py_text(about, "kind"),
+      .version = py_text(about, "version"),
+      .licence = py_text(about, "licence"),
+      .summary = py_text(about, "summary"),
+      .flags = OPC_REENTRANT |
+               (py_number(about, "deterministic") != 0 ? OPC_DETERMINISTIC : 0),
       .check = py_check,
       .clear = py_clear};
   if (!functions_set(plugin, d->kind))
@@ -195,7 +165,11 @@ static int descriptor_set(py_plugin *plugin, opc_error *error) {
                     "plugins of the kind '%s' cannot be written in Python",
                     d->kind ? d->kind : "");
   metrics_set(d, about);
-  files_set(plugin, about);
+  JsonArray *files = py_list(about, "files");
+  guint n = json_array_get_length(files);
+  plugin->files = g_new0(const char *, n + 1);
+  for (guint i = 0; i < n; i++)
+    plugin->files[i] = json_array_get_string_element(files, i);
   return parameters_set(d, about, error);
 }
 

@@ -23,10 +23,10 @@ static py_worker *open_with(py_instance *in, const char *call,
                &scanner, whence);
   py_worker *w = py_open(in, call, fresh, error);
   if (!w) return NULL;
-  py_add_scanner(py_values(w), scanner);
+  py_put_scanner(w, scanner);
   in->serial = gates->serial;
   in->gates = gates->count;
-  if (fresh) py_add_gates(w, py_values(w), "gates", gates);
+  if (fresh) py_put_gates(w, "gates", gates);
   return w;
 }
 
@@ -47,13 +47,14 @@ static void answers_clear(py_instance *in) {
   g_clear_pointer(&in->target, g_free);
 }
 
-static void add_feedback(py_worker *w, const eda_feedback *f) {
-  JsonObject *o = py_add_table(w, py_values(w), "feedback", &py_feedback,
-                               f->gates->count, f);
-  json_object_set_int_member(o, "iteration", f->iteration);
-  py_set_number(o, "ion_limit", f->ion_limit ? *f->ion_limit : NAN);
-  py_add_performance(w, o, "design", f->design);
-  py_add_performance(w, o, "printed", f->printed);
+static void put_feedback(py_worker *w, const eda_feedback *f) {
+  py_begin(w, "feedback", '{');
+  py_put_table(w, &py_feedback, f->gates->count, f, 0);
+  py_put_int(w, "iteration", f->iteration);
+  py_put_number(w, "ion_limit", f->ion_limit ? *f->ion_limit : NAN);
+  py_put_performance(w, "design", f->design);
+  py_put_performance(w, "printed", f->printed);
+  py_end(w, '}');
 }
 
 static int synthesizer_begin(void *self, const eda_feedback *f,
@@ -63,7 +64,7 @@ static int synthesizer_begin(void *self, const eda_feedback *f,
   answers_clear(in);
   py_worker *w = open_with(in, "begin", f->gates, f->scanner, error);
   if (!w) return error->code;
-  add_feedback(w, f);
+  put_feedback(w, f);
   return py_send(in, NULL, error);
 }
 
@@ -73,22 +74,20 @@ static int synthesizer_update(void *self, const eda_feedback *f,
   py_worker *w = py_open(in, "update", 0, error);
   if (!w) return error->code;
   answers_clear(in);
-  add_feedback(w, f);
-  JsonObject *o =
-      py_add_table(w, py_values(w), "moves", &py_moves, in->gates, moves);
+  put_feedback(w, f);
+  py_begin(w, "moves", '{');
+  py_put_table(w, &py_moves, in->gates, moves, 1);
+  py_end(w, '}');
   int code = py_send(in, NULL, error);
-  if (code) return code;
-  py_get_table(w, o, &py_moves, moves);
-  *done = json_object_get_boolean_member(py_result(w), "done");
-  return OPC_OK;
+  if (!code) *done = py_number(py_result(w), "done") != 0;
+  return code;
 }
 
 /* Request the verdicts of all gates at once. */
 static void ask_verdicts(py_instance *in) {
   in->verdicts = g_ptr_array_new_with_free_func(g_free);
   if (!ask_all(in, "verdicts")) return;
-  JsonArray *list =
-      json_object_get_array_member(py_result(in->worker), "verdicts");
+  JsonArray *list = py_list(py_result(in->worker), "verdicts");
   for (guint i = 0; i < json_array_get_length(list); i++) {
     JsonNode *one = json_array_get_element(list, i);
     g_ptr_array_add(in->verdicts, JSON_NODE_HOLDS_VALUE(one)
@@ -134,24 +133,25 @@ static py_worker *open_printed(py_instance *in, const char *call,
   size_t layers = p->gates->layers;
   py_worker *w = open_with(in, call, p->gates, p->scanner, error);
   if (!w) return NULL;
-  JsonObject *o =
-      py_add_table(w, py_values(w), "printed", &py_printed, p->gates->count, p);
-  JsonArray *list = json_array_new();
-  json_object_set_int_member(o, "iteration", p->iteration);
-  py_add_shapes(w, o, "shapes", layers, p->shapes);
+  py_begin(w, "printed", '{');
+  py_put_table(w, &py_printed, p->gates->count, p, 0);
+  py_put_int(w, "iteration", p->iteration);
+  py_put_shapes(w, "shapes", layers, p->shapes);
+  py_begin(w, "print", '[');
   for (size_t k = 0; p->print && k < layers; k++) {
     eda_field field = p->print[k];
     size_t n = (size_t)field.nx * (size_t)field.ny;
-    JsonObject *own = json_object_new();
     field.coefficients = g_memdup2(field.coefficients, n * sizeof(float));
     if (n) eda_field_samples(in->host->context, &field);
-    py_add_frame(w, own, field.frame);
-    py_add_array(w, own, "values", "f4", (size_t)field.ny, (size_t)field.nx,
+    py_begin(w, NULL, '{');
+    py_put_frame(w, field.frame);
+    py_put_array(w, "values", "f4", (size_t)field.ny, (size_t)field.nx,
                  field.coefficients);
-    json_array_add_object_element(list, own);
+    py_end(w, '}');
     g_free(field.coefficients);
   }
-  json_object_set_array_member(o, "print", list);
+  py_end(w, ']');
+  py_end(w, '}');
   return w;
 }
 
@@ -175,16 +175,15 @@ static size_t take_boxes(py_instance *in, const char *name, size_t layers,
 static int regulator_rule(void *self, const eda_printed *p, eda_ruling *ruling,
                           opc_error *error) {
   py_instance *in = self;
-  size_t n = p->gates->count, layers = p->gates->layers, boxes[2] = {0};
+  size_t layers = p->gates->layers, boxes[2] = {0};
   py_worker *w = open_printed(in, "rule", p, error);
   if (!w) return error->code;
-  JsonObject *o =
-      py_add_table(w, py_values(w), "ruling", &py_ruling, n, ruling);
+  py_begin(w, "ruling", '{');
+  py_put_table(w, &py_ruling, p->gates->count, ruling, 1);
+  py_end(w, '}');
   int code = py_send(in, NULL, error);
   if (code) return code;
-  py_get_table(w, o, &py_ruling, ruling);
-  ruling->transistors =
-      (size_t)json_object_get_int_member(py_result(w), "transistors");
+  ruling->transistors = (size_t)py_number(py_result(w), "transistors");
   (void)py_new_array(w, "added", "i4", &boxes[0]);
   (void)py_new_array(w, "cutouts", "i4", &boxes[1]);
   g_free(in->boxes);
@@ -202,7 +201,7 @@ static int regulator_violations(void *self, const eda_printed *p,
   int code = w ? py_send(in, NULL, error) : error->code;
   if (code) return code;
   size_t n = 0;
-  JsonArray *rules = json_object_get_array_member(py_result(w), "rules");
+  JsonArray *rules = py_list(py_result(w), "rules");
   const double *all = py_new_array(w, "figures", "f8", &n);
   *count = json_array_get_length(rules);
   for (size_t i = 0; i < *count && i < most && 5 * i + 4 < n; i++) {

@@ -29,63 +29,36 @@ void py_clear(void *self) {
 
 /* ---- values ---- */
 
-static JsonArray *reals_json(const opc_reals *reals) {
-  JsonArray *list = json_array_new();
-  for (size_t i = 0; i < reals->count; i++)
-    json_array_add_double_element(list, reals->values[i]);
-  return list;
-}
-
-static JsonObject *map_json(const opc_map *map) {
-  JsonObject *object = json_object_new();
-  for (size_t i = 0; i < map->count; i++)
-    json_object_set_string_member(object, map->pairs[i].key,
-                                  map->pairs[i].value);
-  return object;
-}
-
-static void set_choice(JsonObject *values, const opc_parameter *p, int index) {
-  g_auto(GStrv) words = g_strsplit(p->choices, "|", -1);
-  if (index >= 0)
-    json_object_set_string_member(values, p->name, words[index]);
-  else
-    json_object_set_null_member(values, p->name);
-}
-
-/* Set the value of a parameter; null if it has none. */
-static void set_parameter(JsonObject *values, const opc_parameter *p,
+/* Add the value of a parameter; null if it has none. */
+static void put_parameter(py_worker *w, const opc_parameter *p,
                           const void *field) {
-  int64_t integer;
-  memcpy(&integer, field, sizeof integer);
-  switch (p->type) {
-    case OPC_BOOL:
-      if (*(const int *)field < 0)
-        json_object_set_null_member(values, p->name);
-      else
-        json_object_set_boolean_member(values, p->name,
-                                       *(const int *)field != 0);
-      return;
-    case OPC_INT:
-      if (integer == OPC_NO_INT)
-        json_object_set_null_member(values, p->name);
-      else
-        json_object_set_int_member(values, p->name, integer);
-      return;
-    case OPC_REAL:
-      py_set_number(values, p->name, *(const double *)field);
-      return;
-    case OPC_CHOICE:
-      set_choice(values, p, *(const int *)field);
-      return;
-    case OPC_REALS:
-      json_object_set_array_member(values, p->name, reals_json(field));
-      return;
-    case OPC_MAP:
-      json_object_set_object_member(values, p->name, map_json(field));
-      return;
-    default:
-      json_object_set_string_member(values, p->name,
-                                    *(const char *const *)field);
+  const opc_reals *reals = field;
+  const opc_map *map = field;
+  int number = *(const int *)field;
+  if (p->type == OPC_BOOL) {
+    py_put(w, p->name, number < 0 ? "null" : number ? "true" : "false");
+  } else if (p->type == OPC_INT) {
+    if (*(const int64_t *)field == OPC_NO_INT)
+      py_put(w, p->name, "null");
+    else
+      py_put_int(w, p->name, *(const int64_t *)field);
+  } else if (p->type == OPC_REAL) {
+    py_put_number(w, p->name, *(const double *)field);
+  } else if (p->type == OPC_CHOICE) {
+    g_auto(GStrv) words = g_strsplit(p->choices, "|", -1);
+    py_put_text(w, p->name, number < 0 ? NULL : words[number]);
+  } else if (p->type == OPC_REALS) {
+    py_begin(w, p->name, '[');
+    for (size_t i = 0; i < reals->count; i++)
+      py_put_number(w, NULL, reals->values[i]);
+    py_end(w, ']');
+  } else if (p->type == OPC_MAP) {
+    py_begin(w, p->name, '{');
+    for (size_t i = 0; i < map->count; i++)
+      py_put_text(w, map->pairs[i].key, map->pairs[i].value);
+    py_end(w, '}');
+  } else if (p->type != OPC_INPUT) {
+    py_put_text(w, p->name, *(const char *const *)field);
   }
 }
 
@@ -94,22 +67,21 @@ static void set_parameter(JsonObject *values, const opc_parameter *p,
 py_worker *py_open(py_instance *in, const char *call, int parameters,
                    opc_error *error) {
   const opc_plugin *d = &in->plugin->descriptor;
-  if (!in->worker)
-    in->worker =
-        py_worker_start(in->plugin->path, in->plugin->id,
-                        json_object_get_string_member(
-                            json_node_get_object(in->plugin->about), "python"),
-                        error);
-  if (!in->worker) return NULL;
-  py_request(in->worker, call);
-  JsonObject *values =
-      parameters ? py_object(py_values(in->worker), "parameters") : NULL;
-  for (size_t i = 0; parameters && i < d->n_parameters; i++) {
-    const opc_parameter *p = &d->parameters[i];
-    if (p->type != OPC_INPUT)
-      set_parameter(values, p, (const char *)in + p->offset);
-  }
-  return in->worker;
+  const char *python =
+      py_text(json_node_get_object(in->plugin->about), "python");
+  py_worker *w = in->worker;
+  if (!w)
+    w = in->worker =
+        py_worker_start(in->plugin->path, in->plugin->id, python, error);
+  if (!w) return NULL;
+  py_request(w, call);
+  if (!parameters) return w;
+  py_begin(w, "parameters", '{');
+  for (size_t i = 0; i < d->n_parameters; i++)
+    put_parameter(w, &d->parameters[i],
+                  (const char *)in + d->parameters[i].offset);
+  py_end(w, '}');
+  return w;
 }
 
 int py_send(py_instance *in, py_answer *answer, opc_error *error) {
@@ -118,11 +90,14 @@ int py_send(py_instance *in, py_answer *answer, opc_error *error) {
   return code;
 }
 
+int py_ask(py_instance *in, const char *call, opc_error *error) {
+  return py_open(in, call, 1, error) ? py_send(in, NULL, error) : error->code;
+}
+
 int py_check(void *self, opc_error *error) {
   py_instance *in = instance_of(self);
   if (!py_defines(in->plugin, "check")) return OPC_OK;
-  return py_open(in, "check", 1, error) ? py_send(in, NULL, error)
-                                        : error->code;
+  return py_ask(in, "check", error);
 }
 
 /* ---- entry ---- */

@@ -53,8 +53,9 @@ int py_defines(const py_plugin *plugin, const char *method);
 /* Return the folder of descriptions and bytecode in the store of results
    (g_free); NULL without a store. */
 char *py_cache_folder(void);
-/* Return the kept description of a plugin, if valid; keep plugin->about. */
+/* Return the kept description of a plugin, NULL if none is valid. */
 JsonNode *py_cache_get(const py_plugin *plugin);
+/* Keep plugin->about. */
 void py_cache_put(const py_plugin *plugin);
 
 /* Set the functions of the kinds in a descriptor. */
@@ -77,6 +78,9 @@ py_worker *py_open(py_instance *instance, const char *call, int parameters,
 /* Send the request of py_open. */
 int py_send(py_instance *instance, py_answer *answer, opc_error *error);
 
+/* Call a method without arguments. */
+int py_ask(py_instance *instance, const char *call, opc_error *error);
+
 /* ---- data (data.c) ---- */
 
 /* An array of a struct: name, notation of NumPy, offset of the pointer,
@@ -94,24 +98,20 @@ typedef struct py_table {
 extern const py_table py_gates, py_performance, py_feedback, py_moves,
     py_printed, py_ruling;
 
-/* Add the arrays of a struct of `count` gates as the object `name`, and return
-   the object. NULL in Python: the pointer is NULL. */
-JsonObject *py_add_table(py_worker *worker, JsonObject *to, const char *name,
-                         const py_table *table, size_t count, const void *from);
-/* Copy the arrays of a table, as changed by the call, to a struct. */
-void py_get_table(const py_worker *worker, JsonObject *from,
-                  const py_table *table, const void *to);
-
-void py_add_gates(py_worker *worker, JsonObject *to, const char *name,
-                  const eda_gates *gates);
-void py_add_performance(py_worker *worker, JsonObject *to, const char *name,
+/* Add the arrays of a struct of `count` gates to the open object.
+   None in Python: the pointer is NULL. `lend`: Python can change the
+   arrays. */
+void py_put_table(py_worker *worker, const py_table *table, size_t count,
+                  const void *from, int lend);
+void py_put_performance(py_worker *worker, const char *name,
                         const eda_performance *performance); /* or NULL */
-void py_add_shapes(py_worker *worker, JsonObject *to, const char *name,
-                   size_t layers, const eda_shapes *shapes);
-void py_add_frame(py_worker *worker, JsonObject *to, eda_frame frame);
-void py_add_scanner(JsonObject *to, eda_scanner scanner);
+void py_put_gates(py_worker *worker, const char *name, const eda_gates *gates);
+void py_put_shapes(py_worker *worker, const char *name, size_t layers,
+                   const eda_shapes *shapes);
+void py_put_frame(py_worker *worker, eda_frame frame);
+void py_put_scanner(py_worker *worker, eda_scanner scanner);
 /* Add `n` texts (char *const *, NULL: none). */
-void py_add_texts(JsonObject *to, const char *name, const void *texts,
+void py_put_texts(py_worker *worker, const char *name, const void *texts,
                   size_t n);
 
 /* Functions of all descriptors. */

@@ -2,7 +2,9 @@
 /* Starts and ends the Python process. The process ends with its host, because
    the kernel sends SIGIO when the host's end of a second socket closes. */
 #include <dlfcn.h>
+#include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <spawn.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -11,8 +13,6 @@
 #include <unistd.h>
 
 #include "py.h"
-
-#include "private.h"
 
 extern char **environ;
 
@@ -140,8 +140,9 @@ py_worker *py_worker_start(const char *path, const char *id, const char *python,
   w->host = getpid();
   w->socket = w->alive = w->log = w->memory = -1;
   w->input = g_string_new(NULL);
-  w->blocks = g_array_new(FALSE, FALSE, sizeof(uint64_t));
-  w->files = g_array_new(FALSE, FALSE, sizeof(int));
+  w->request = g_string_new(NULL);
+  w->files = g_array_new(FALSE, FALSE, sizeof(py_file));
+  w->lent = g_array_new(FALSE, FALSE, sizeof(py_loan));
   return worker_run(w, package, whole, python, error);
 }
 
@@ -177,11 +178,11 @@ void py_worker_free(py_worker *w) {
   close_open(w->log);
   close_open(w->memory);
   if (w->base) munmap(w->base, w->size);
-  if (w->request) json_object_unref(w->request);
   if (w->reply) json_node_unref(w->reply);
   g_string_free(w->input, TRUE);
-  g_array_free(w->blocks, TRUE);
+  g_string_free(w->request, TRUE);
   g_array_free(w->files, TRUE);
+  g_array_free(w->lent, TRUE);
   g_free(w->id);
   g_free(w);
 }

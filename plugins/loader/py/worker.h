@@ -7,7 +7,35 @@
 #include <json-glib/json-glib.h>
 #include <opcflow/plugin.h>
 
-typedef struct py_worker py_worker;
+/* A file that the worker maps: eda_shared.id, 0 for the own memory. */
+typedef struct py_file {
+  uint64_t id;
+  int file;
+} py_file;
+
+/* An array to copy back after the call. */
+typedef struct py_loan {
+  void *to;
+  size_t at, bytes;
+} py_loan;
+
+/* The fields are private to worker.c and call.c. */
+typedef struct py_worker {
+  char *id;
+  pid_t pid,
+      host; /* of the worker (0: ended), of the process that started it */
+  int socket, alive, log, memory; /* descriptors; -1: none */
+  char *base;                     /* mapped memory of `size` bytes */
+  size_t size, used;
+  int is_kept;      /* 1: the worker keeps arrays in `memory` */
+  GArray *files;    /* py_file */
+  guint sent;       /* number of `files` that were sent */
+  const char *call; /* name of the method */
+  GString *request; /* JSON */
+  GArray *lent;     /* py_loan */
+  GString *input;   /* bytes after the last message */
+  JsonNode *reply;
+} py_worker;
 
 /* Start the interpreter `python` (NULL: OPCFLOW_PYTHON or python3) with the
    package opcflow and the plugin `id` in the file `path`. NULL and *error if
@@ -18,35 +46,37 @@ py_worker *py_worker_start(const char *path, const char *id, const char *python,
 /* End the process and free the worker; NULL: do nothing. */
 void py_worker_free(py_worker *worker);
 
-/* Begin a request. Its values and arrays are then added. */
+/* Wait at most `patience` s for the end of the process, then kill it. Returns
+   the status as waitpid. */
+int py_worker_end(py_worker *worker, double patience);
+
+/* Return and remove the text that the process wrote to its standard output and
+   error (g_free); of a long text the end. */
+char *py_worker_log(py_worker *worker);
+
+/* Begin a request; `call`, a constant, is the method. Values are then added, by
+   name, or with the name NULL as elements of a list. */
 void py_request(py_worker *worker, const char *call);
 
-/* Return the values of the request, owned by the worker. */
-JsonObject *py_values(py_worker *worker);
+/* Begin and end an object '{' or a list '['. */
+void py_begin(py_worker *worker, const char *name, char bracket);
+void py_end(py_worker *worker, char bracket);
 
-/* Set a number of a JSON object, null if it is not finite. */
-void py_set_number(JsonObject *object, const char *name, double value);
+void py_put(py_worker *worker, const char *name, const char *json);
+void py_put_int(py_worker *worker, const char *name, int64_t value);
+/* null if not finite */
+void py_put_number(py_worker *worker, const char *name, double value);
+/* null if NULL */
+void py_put_text(py_worker *worker, const char *name, const char *text);
 
-/* Add an empty object and return it. */
-JsonObject *py_object(JsonObject *to, const char *name);
-
-/* Add an array of `count` rows of `width` elements to an object of the request;
-   width 0: an array of one dimension.
-   `type` is the notation of NumPy: "f8", "f4", "i4", "u4", "u1". `data` NULL:
-   None, unless the array is empty. The Python function can change the
-   elements. */
-void py_add_array(py_worker *worker, JsonObject *to, const char *name,
-                  const char *type, size_t count, size_t width,
-                  const void *data);
-
-/* Copy an array of the request, as changed by the call, to `to`. */
-void py_get_array(const py_worker *worker, JsonObject *from, const char *name,
-                  void *to);
-
-/* Return an array of the reply, and its number of elements; NULL if there is
-   none of this name and type. Valid until the next request. */
-const void *py_new_array(const py_worker *worker, const char *name,
-                         const char *type, size_t *count);
+/* Add an array of `count` rows of `width` elements; width 0: an array of one
+   dimension. `type` is the notation of NumPy: "f8", "f4", "i4", "u4", "u1".
+   `data` NULL: None, unless the array is empty. The Python function can change
+   an array that is lent, and the changes are made in `data`. */
+void py_put_array(py_worker *worker, const char *name, const char *type,
+                  size_t count, size_t width, const void *data);
+void py_lend_array(py_worker *worker, const char *name, const char *type,
+                   size_t count, size_t width, void *data);
 
 /* Answers a message of the worker during a call: *answer receives a text or
    NULL. Returns 0, or an error code and *error. */
@@ -60,7 +90,19 @@ typedef int py_answer(const opc_host *host, const char *what, JsonObject *asked,
 int py_call(py_worker *worker, const opc_host *host, double limit,
             py_answer *answer, opc_error *error);
 
-/* Return the last message of the worker, and the values that a method
-   returned. */
-JsonObject *py_reply(const py_worker *worker);
+/* Return the values that the method returned. */
 JsonObject *py_result(const py_worker *worker);
+
+/* Return an array of the result, and its number of elements; NULL if there is
+   none of this name and type. Valid until the next request. */
+const void *py_new_array(const py_worker *worker, const char *name,
+                         const char *type, size_t *count);
+
+/* ---- members of JSON objects ---- */
+
+/* Return a text, a number, a list or an object; NULL, 0, an empty list and NULL
+   if the object has no such member. */
+const char *py_text(JsonObject *object, const char *name);
+double py_number(JsonObject *object, const char *name);
+JsonArray *py_list(JsonObject *object, const char *name);
+JsonObject *py_member(JsonObject *object, const char *name);

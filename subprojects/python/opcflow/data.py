@@ -3,7 +3,7 @@
 which the headers eda/gates.h, eda/synthesizer.h, eda/regulator.h and eda/extractor.h document.
 
 All arrays are in memory that the host shares. Arrays that a plugin keeps after a call do not
-change later. Only the arrays of the arguments CHANGED can be written.
+change later. Only arrays of the arguments moves, ruling, out and image can be written.
 """
 import numpy as np
 
@@ -14,7 +14,6 @@ OPEN = 1              # flag of a transistor whose poly does not print
 PARTS = 18            # parts of a gate
 END = 1 << 20         # end of the fragments of a gate
 
-CHANGED = ("moves", "ruling", "out", "image")  # arguments whose arrays a plugin changes
 TYPES = {"f8": np.float64, "f4": np.float32, "i4": np.int32, "u4": np.uint32, "u1": np.uint8}
 
 
@@ -64,18 +63,16 @@ class Spectrum(Record):
         return np.abs(np.fft.ifft2(field) * field.size) ** 2
 
 
-def decode(value, array, writable):
+def decode(value, array):
     """Return the data of a request: records of values and arrays. array(type, offset, count,
-    width, file) returns an array, which the plugin can change if `writable`."""
+    width, file, writable) returns an array."""
     if isinstance(value, list):
-        return [decode(v, array, writable) for v in value]
+        return [decode(v, array) for v in value]
     if not isinstance(value, dict):
         return value
     if "array" in value:
-        found = array(*value["array"])
-        found.flags.writeable = writable
-        return found
-    fields = {name: decode(v, array, writable) for name, v in value.items()}
+        return array(*value["array"])
+    fields = {name: decode(v, array) for name, v in value.items()}
     return (Shapes if "hole" in fields else Spectrum if "spectrum" in fields
             else Record)(**fields)
 

@@ -14,7 +14,7 @@ import traceback
 
 import numpy as np
 
-from .data import CHANGED, TYPES, copied, decode
+from .data import TYPES, copied, decode
 from .plugins import Plugin
 
 TALK, LIFE = 3, 4
@@ -78,11 +78,12 @@ class Memory:
             self.former.append(self.maps[0])
             self.maps[0] = mmap.mmap(self.file, size)
 
-    def array(self, type, offset, count, width, number):
+    def array(self, type, offset, count, width, number, writable):
         """Return an array of `count` rows; width 0: of one dimension."""
         size = count * max(width, 1)
         array = np.frombuffer(self.maps[number], TYPES[type], size, offset) if size \
             else np.zeros(0, TYPES[type])
+        array.flags.writeable = writable
         return array.reshape(count, width) if width else array
 
     def kept(self):
@@ -164,7 +165,7 @@ def call(request, plugin, path, memory):
         return {**type(plugin).describe(), "files": sources(path), "python": sys.executable}
     values = request["values"]
     plugin.set_parameters(values.pop("parameters", {}))
-    values = {name: decode(v, memory.array, name in CHANGED) for name, v in values.items()}
+    values = {name: decode(v, memory.array) for name, v in values.items()}
     for name in ("gates", "scanner"):
         if name in values:
             setattr(plugin, name, copied(values.pop(name)))
