@@ -265,6 +265,37 @@ def cif_polygons(path):
     return {name: sorted(polygons) for name, polygons in found.items()}
 
 
+def area(polygons):
+    """Return the area of polygons without holes, in nm^2."""
+    total = 0
+    for p in polygons:
+        (x, y), (u, v) = p.T, p[list(range(1, len(p))) + [0]].T
+        total += abs((x * v - u * y).sum()) / 2
+    return total
+
+
+def check_contours(run):
+    """The printed poly of the corrected mask has about the drawn area and covers the middle of
+    each gate; contours of the drawn mask differ."""
+    outlines, holes = run.contours("poly")
+    before, _ = run.contours("poly", before=True)
+    drawn = area(run.drawing("poly.drawn"))
+    assert not holes and len(outlines) == len(before)
+    assert 0.8 * drawn < area(outlines) < 1.1 * drawn, (area(outlines), drawn)
+    assert abs(area(before) - area(outlines)) > 0.001 * drawn
+    for row in run.table("gates"):
+        x, y = row["x (nm)"], row["y (nm)"]
+        assert any(inside(x, y, p) for p in outlines), row
+
+
+def inside(x, y, polygon):
+    """Return whether a point is inside a polygon: an odd number of edges to the right."""
+    odd = False
+    for (x0, y0), (x1, y1) in zip(polygon, [*polygon[1:], polygon[0]]):
+        odd ^= (y0 > y) != (y1 > y) and x < x0 + (y - y0) * (x1 - x0) / (y1 - y0)
+    return odd
+
+
 def test_runs():
     """Run flows and read folders by the package: metrics, tables, polygons, comparisons."""
     sys.path.insert(0, os.path.join(BUILD, "subprojects", "python"))
@@ -274,7 +305,8 @@ def test_runs():
     with open("user.yaml") as f:
         text = f.read()
     cif = '  cif: { use: write.cif, mask: "${mask}", file: mask.cif }\nrequire:'
-    write("user.yaml", text.replace("require:", cif))
+    write("user.yaml", text.replace("require:", cif.replace(
+        "require:", '  drawing: { use: write.klayout, mask: "${mask}" }\nrequire:')))
     first = opcflow.run("user.yaml")
     second = opcflow.run("user.yaml", output="out/x", mask__synthesizer__ion_limit="3 %",
                          **{"mask.ion_limit": "4 %"})
@@ -293,6 +325,14 @@ def test_runs():
     assert len(cif) >= 2, cif
     for layer, polygons in cif.items():
         assert polygons in gds.values(), (layer, polygons, gds)
+    drawn = sorted(sorted(map(tuple, p.round(6))) for p in second.mask("poly"))
+    assert drawn == cif["CP"], (drawn, cif)
+    check_contours(second)
+    try:
+        second.mask("metal")
+        raise AssertionError("a layer that does not exist was read")
+    except KeyError as error:
+        assert "poly.mask" in str(error)
     try:
         second.shapes("gates.csv")
         raise AssertionError("a table was read as GDSII")

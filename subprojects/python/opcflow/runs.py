@@ -7,11 +7,19 @@
 import csv
 import json
 import os
+import re
 import shutil
 import subprocess
 import tempfile
 from html import escape
 
+# From the file of write.klayout, with any layer that the file has.
+CONVERT = """opcflow: 1
+name: convert
+steps:
+  layout: { use: read.oasis, file: %s, layers: { any: %s } }
+  gds: { use: write.gds, layout: "${layout}", file: layout.gds }
+"""
 HERE = os.path.dirname(os.path.abspath(__file__))
 # The program in an installation, in a build folder, and in the PATH.
 PLACES = ("../../../../bin/opcflow", "../../../../../bin/opcflow", "../../../opcflow")
@@ -121,6 +129,42 @@ class Run:
         of arrays (points, 2) in nm by (layer, datatype)."""
         with open(self.path(name), "rb") as f:
             return read_gds(f.read(), self.path(name))
+
+    def mask(self, layer):
+        """Return the polygons of the mask of a layer, such as "poly"."""
+        return self.drawing(layer + ".mask")
+
+    def contours(self, layer, before=False):
+        """Return the printed contours of a layer: of the mask, or with `before` of the drawn
+        mask. Two lists: outlines, and holes in them."""
+        name = layer + (".before" if before else ".after")
+        return self.drawing(name), self.drawing(name + ".holes", ())
+
+    def drawing(self, name, *default):
+        """Return the polygons of a layer in the files of write.klayout, arrays (points, 2) in
+        nm. The program converts the file to GDSII at the first call."""
+        if not hasattr(self, "drawings"):
+            self.drawings = self.read_drawings()
+        found = self.drawings.get(name, *default)
+        if found is None:
+            raise KeyError("%s: no layer '%s', expected %s" %
+                           (self.folder, name, ", ".join(sorted(self.drawings))))
+        return list(found)
+
+    def read_drawings(self):
+        styles = [n for n in os.listdir(self.folder) if n.endswith(".lyp")]
+        if len(styles) != 1:
+            raise FileNotFoundError("%s: %d files NAME.lyp, expected one of write.klayout" %
+                                    (self.folder, len(styles)))
+        names = re.findall(r"<name>(.*?)</name>\s*<source>(\d+)/(\d+)@", open(
+            self.path(styles[0])).read())
+        with tempfile.TemporaryDirectory(prefix="opcflow-") as folder:
+            flow = os.path.join(folder, "flow.yaml")
+            with open(flow, "w") as f:
+                f.write(CONVERT % (json.dumps(self.path(styles[0][:-len("lyp")] + "oas")),
+                                   "%s/%s" % names[0][1:]))
+            shapes = run(flow, os.path.join(folder, "run")).shapes("layout.gds")
+        return {name: shapes.get((int(layer), int(kind)), []) for name, layer, kind in names}
 
     def _repr_html_(self):
         rows = [(name, "%g" % value) for name, value in self.metrics.items()
