@@ -12,8 +12,8 @@
 #include "core/plugin/pieces.h"
 #include "core/plugin/value.h"
 
-/* Limit of nested slots; stops recursion if a plugin is the default of its
-   slot. */
+/* Limit of nested slots; ends the recursion if a plugin is the default of its
+   own slot. */
 enum { DEEPEST_SLOT = 16 };
 
 /* State of a call of opc_bind. */
@@ -36,8 +36,9 @@ static opc_node *parse_preset(const binder *b, const opc_parameter *p) {
   return node;
 }
 
-/* Return the map of a slot. If the map has no `use`, the map is applied to the
-   preset of the slot: the default plugin with its parameters. */
+/* Return the complete map of a slot. A map without `use` only changes
+   parameters of the slot's default plugin, and is therefore merged over
+   `preset`. */
 static const opc_node *over_default(const binder *b, const opc_parameter *p,
                                     const opc_node *node) {
   if (!p->preset || opc_node_get(node, "use")) return node;
@@ -97,8 +98,8 @@ static void bind_default(const binder *b, size_t i) {
 
 /* ---- the map ---- */
 
-/* Return the next word, up to a dot, of each parameter whose name or former
-   name begins with `prefix`. */
+/* Return, for each parameter whose name or former name begins with `prefix`,
+   the word that follows the prefix (up to the next dot). */
 static GPtrArray *level_names(const opc_plugin *plugin, const char *prefix) {
   GPtrArray *names = g_ptr_array_new_with_free_func(g_free);
   for (size_t i = 0; i < plugin->n_parameters; i++) {
@@ -142,8 +143,8 @@ static int find_former(const binder *b, const opc_node *key, const char *name) {
 
 static void bind_map(const binder *b, const opc_node *map, const char *prefix);
 
-/* Bind the keys of a map. The depth of recursion is the number of dots in
-   parameter names. */
+/* Bind the keys of a map to the parameters PREFIX + KEY. The depth of recursion
+   is the number of dots in parameter names. */
 static void bind_group(const binder *b, const opc_node *map,
                        const char *prefix) {
   opc_binding *binding = b->binding;
@@ -178,15 +179,16 @@ static void bind_group(const binder *b, const opc_node *map,
   }
 }
 
-/* Bind a map; `anchor.line: ...` equals `anchor: { line: ... }`. */
+/* Bind a map; `anchor.line: V` and `anchor: { line: V }` are equivalent. */
 static void bind_map(const binder *b, const opc_node *map, const char *prefix) {
   opc_node *undotted = opc_undot(map, FALSE, b->problems);
   g_ptr_array_add(b->binding->presets, undotted);
   bind_group(b, undotted, prefix);
 }
 
-/* Mark values equal to the default as not given. A resolved flow contains all
-   values, and must have the same `given` fields as the original flow. */
+/* Mark values equal to the default as not given. A resolved flow (resolve.h)
+   sets all parameters, and must produce the same `given` fields as the original
+   flow. */
 static void forget_defaults(const binder *b) {
   opc_binding *binding = b->binding;
   for (size_t i = 0; i < binding->plugin->n_parameters; i++) {

@@ -23,28 +23,31 @@ typedef struct opc_binding opc_binding;
 struct opc_binding {
   const opc_plugin *plugin;
   char *path;               /* step and slots: "first", "first.model" */
-  opc_place at;             /* place of the name in the flow */
+  opc_place at;             /* place of the step's or slot's name in the flow */
   opc_setting *values;      /* one per parameter; value.h */
-  const opc_node **origin;  /* one per parameter: given node; NULL: default */
+  const opc_node **origin;  /* one per parameter: node that sets it; NULL if the
+                               default applies */
   opc_binding **slots;      /* one per parameter: plugin in the slot, or NULL */
   GPtrArray *owned;         /* memory that `values` point to */
-  GPtrArray *presets;       /* opc_node *: parsed defaults, maps without dots */
-  GPtrArray *renamed;       /* char *: notes about former parameter names */
+  GPtrArray *presets;       /* opc_node *: parsed defaults, and maps with dotted
+                               keys made nested */
+  GPtrArray *renamed;       /* char *: warnings about former parameter names */
   opc_host *host;           /* set by opc_binding_create; host->data: the
                                binding */
   void *run;                /* `like->data` as passed to opc_binding_create */
   opc_module module;        /* self is NULL before create */
   opc_inner *inner;         /* inner flow of the step; NULL: none */
   const opc_nested *nested; /* functions of `inner` */
-  struct opc_store
-      *store; /* store of results, for hosts outside runs; NULL: none */
+  struct opc_store *store; /* store of results of an instance outside runs; NULL
+                              if results are not stored */
 };
 
 enum {
   OPC_BIND_NO_INPUTS = 1 << 0, /* a required OPC_INPUT may be missing */
   OPC_BIND_NO_FILES = 1 << 1,  /* a required OPC_FILE may be missing */
-  OPC_BIND_INNER = 1 << 2      /* for an inner flow; 2 * OPC_BIND_INNER for an
-                                  inner flow of a step of an inner flow */
+  OPC_BIND_INNER = 1 << 2      /* the step belongs to an inner flow; 2 *
+                                  OPC_BIND_INNER: to an inner flow of an inner
+                                  flow */
 };
 
 /* Find the step plugin named by `use` in `map`, and check all parameters.
@@ -68,8 +71,8 @@ gboolean opc_binding_create(opc_binding *binding, const opc_watch *watch,
                             const opc_host *like, opc_problems *problems);
 
 /* Return a service of a host whose `data` is a binding: the queries of the
-   inner flow, or pieces without other ranks. Implements opc_host.service
-   outside runs. */
+   inner flow, or work units (pieces.h) computed in this process. Implements
+   opc_host.service outside runs. */
 const void *opc_binding_service(const opc_host *host, const char *name);
 
 /* Return the label of a binding for messages (g_free): "step 'first' (sum)",
@@ -83,10 +86,10 @@ const char *opc_binding_enter(const opc_binding *binding);
 void opc_binding_leave(const char *before);
 
 /* Add the error that a function of the plugin reported in *error as a problem.
-   Texts in *error may lack the terminating NUL, which is added. With `run`, the
-   label includes the plugins in the slots on the path of the error's parameter:
-   "step 'first' (sum), model (model.wide)" for "model" or "model.width".
-   Returns FALSE. */
+   Texts in *error may lack the terminating NUL, which is added. If `run` is
+   TRUE, the label includes the plugins in the slots on the path of the error's
+   parameter: "step 'first' (sum), model (model.wide)" for "model" or
+   "model.width". Returns FALSE. */
 gboolean opc_binding_fail(const opc_binding *binding, gboolean run, int code,
                           opc_error *error, opc_problems *problems);
 

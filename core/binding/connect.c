@@ -14,8 +14,6 @@ typedef struct connector {
   opc_problems *problems;
 } connector;
 
-/* ---- references ---- */
-
 static gboolean unknown_step(const connector *c, const opc_node *node,
                              const char *name) {
   g_autoptr(GPtrArray) names = g_ptr_array_new();
@@ -28,7 +26,8 @@ static gboolean unknown_step(const connector *c, const opc_node *node,
                    node->text, suggestion);
 }
 
-/* Find an output by name; NULL: the first. FALSE and a problem if missing. */
+/* Store in *port the index of the output `name`, or 0 if `name` is NULL. Return
+   FALSE and add a problem if the step has no such output. */
 static gboolean find_port(const connector *c, const opc_node *node,
                           const opc_flow_step *from, const char *name,
                           size_t *port) {
@@ -81,10 +80,8 @@ static void connect_step(const connector *c) {
   }
 }
 
-/* ---- order ---- */
-
 /* Return the first step that `step` depends on and that is not `placed` in the
-   order; NULL: `step` can run next. */
+   order; NULL if there is no such step, so that `step` can run next. */
 static opc_flow_step *step_awaited(const opc_flow_step *step,
                                    const gboolean *placed) {
   for (guint i = 0; i < step->inputs->len; i++) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Expands lists, patterns and files into layers and names the layers. */
+/* Expands lists, patterns and files into layers (opcflow/inner.h) and names the
+   layers. */
 #include "core/binding/expand.h"
 
 #include <base/file.h>
@@ -12,12 +13,10 @@
 #include "core/plugin/declaration.h"
 
 enum {
-  MOST = 100000, /* largest number of layers of an axis, and of points */
+  MOST = 100000, /* largest number of layers of an axis */
   DEEPEST = 4,   /* nested lists */
   LONGEST = 100  /* bytes of a layer's name, which is a folder name */
 };
-
-/* ---- state ---- */
 
 typedef struct expander {
   const char *axis; /* "cases" */
@@ -33,12 +32,13 @@ typedef struct expander {
 /* An element of the value of an axis, which may expand into several layers. */
 typedef struct item {
   const opc_node *node;
-  const char *name;    /* NULL: name made from the values */
-  const char *variant; /* "": none */
+  const char *name;    /* of the layer; NULL: made from the values */
+  const char *variant; /* "" if no variant applies */
   gboolean several;    /* some key has several values */
 } item;
 
-/* A layer under construction: a combination of the values of the first keys. */
+/* A layer under construction: one value for each of the first keys of the
+   map. */
 typedef struct part {
   opc_node *map;  /* paths and values */
   GString *label; /* values of the keys with several values */
@@ -105,7 +105,8 @@ static void close_probe(probe *p) {
   opc_sweep_free(p->sweep);
 }
 
-/* Return whether a text may be a pattern or exclude values. */
+/* Return whether a value may be a pattern, or begins with '!' to exclude
+   values. */
 static gboolean is_pattern(const opc_node *node) {
   return node->type == OPC_NODE_TEXT &&
          (*node->text == '!' || strpbrk(node->text, "*?["));
@@ -175,9 +176,9 @@ static gboolean has_pattern(const opc_node *value) {
   return FALSE;
 }
 
-/* Add all values of a key to `out`. Patterns are expanded for `parameter`
-   (NULL: no patterns) with the partial layer `under` applied. Returns FALSE and
-   adds problems on failure. */
+/* Add all values of a key to `out`. If `parameter` is not NULL, patterns are
+   replaced by the matching values of `parameter` in the flow with the partial
+   layer `under` applied. Returns FALSE and adds problems on failure. */
 static gboolean find_values(const expander *e, const item *it,
                             const part *under, const char *path,
                             const opc_node *value,
@@ -363,8 +364,8 @@ static void node_put_like(opc_node *map, const char *key, const opc_node *like,
   opc_node_put(map, name, value);
 }
 
-/* Expand an element of `list`. The other keys of the map apply to all elements
-   that do not set these keys. */
+/* Expand an element of the list file that `map` names by its key `list`. The
+   other keys of `map` apply to all elements that do not set these keys. */
 static void expand_element(expander *e, const char *name, const opc_node *map,
                            const opc_node *key, const opc_node *element) {
   g_autoptr(opc_node) whole = opc_node_map_new(element->source, &element->at);
@@ -411,7 +412,8 @@ static void expand_list(expander *e, const char *name, const opc_node *map,
   e->depth--;
 }
 
-/* Expand a map: the keywords list, variant and name, and paths. */
+/* Expand a map with the keywords `list`, `variant` and `name`, and with
+   paths. */
 static void expand_words(expander *e, const char *name, const opc_node *node) {
   const opc_node *list = opc_node_get(node, "list");
   if (list) {
@@ -436,7 +438,8 @@ static void expand_words(expander *e, const char *name, const opc_node *node) {
   if (it.variant) expand_map(e, &it, map);
 }
 
-/* Expand an element. `name`: name of the layer; NULL: from the element. */
+/* Expand an element. `name` is the name of the layer; if NULL, the element
+   determines the name. */
 static void expand_node(expander *e, const char *name, const opc_node *node) {
   if (node->type == OPC_NODE_MAP) {
     expand_words(e, name, node);

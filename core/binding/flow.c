@@ -49,7 +49,7 @@ static void read_step(opc_flow *flow, const opc_node *key, const opc_node *node,
 
 /* ---- flows ---- */
 
-/* Apply a value to the steps or to "require". */
+/* Set the value at `path`, in the steps or in the section "require". */
 static void lay_one(opc_flow *flow, const char *path, const opc_place *key,
                     const opc_node *value, opc_problems *problems) {
   size_t word = strcspn(path, ".");
@@ -190,7 +190,7 @@ static void check_one(const opc_recipe *recipe, const opc_choice *choice,
   opc_problems_merge(problems, found, note);
 }
 
-/* Each value of each axis is checked, but not each combination of values.
+/* The values of each axis are checked with the first values of the other axes.
    Problems of other combinations are found when the point runs. */
 void opc_flow_check(const opc_recipe *recipe, const opc_choice *choice,
                     opc_registry *registry, const opc_watch *watch,

@@ -8,7 +8,8 @@
 
 typedef struct opc_flow_step opc_flow_step;
 
-/* A resolved reference. */
+/* A resolved reference: the parameter receives output `port` of the step
+   `from`. */
 typedef struct opc_flow_input {
   opc_binding *
       binding; /* step, or plugin in a slot of the step, that takes the input */
@@ -60,7 +61,7 @@ typedef struct opc_choice {
   const char *const *sets; /* "step.parameter=value", NULL-terminated, may be
                               NULL */
   const opc_node *over;    /* a map of paths and values; NULL: none */
-  unsigned bind;           /* OPC_BIND_* of its steps */
+  unsigned bind;           /* OPC_BIND_* of the steps */
 } opc_choice;
 
 /* Build the flow and do all checks that need no instance. `choice` may be NULL.

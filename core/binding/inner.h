@@ -18,8 +18,9 @@ struct opc_inner {
   opc_registry *registry;
   opc_inner_axis **axes;
   GHashTable *wanted;   /* names of the requested steps; empty: all */
-  GHashTable *given;    /* name of a step -> its output, void *[1] */
-  opc_inner_runs *runs; /* NULL: none started */
+  GHashTable *given;    /* step that an input of `binding` replaces -> its
+                           output, void *[1] */
+  opc_inner_runs *runs; /* NULL if no run was started */
   void (*runs_end)(opc_inner_runs *runs);  /* called when the step has run */
   void (*runs_free)(opc_inner_runs *runs); /* called before the inner flow is
                                               freed */
@@ -32,8 +33,8 @@ struct opc_inner {
 void opc_inner_open(opc_binding *binding, opc_registry *registry,
                     unsigned flags, opc_problems *problems);
 
-/* Return, by step number of `flow`, whether the step must run to provide the
-   requested steps (g_free). */
+/* Return, by step number of `flow`, whether the step must run so that all
+   requested steps can run (g_free). */
 gboolean *opc_inner_needed(const opc_inner *inner, const opc_flow *flow);
 
 /* End the runs of an inner flow after the step has run. `inner` may be NULL. */

@@ -29,7 +29,8 @@ static void write_file(const char *name, const char *text) {
   g_assert_true(g_file_set_contents(name, text, -1, NULL));
 }
 
-/* A valid flow with a variant ("": none) at a point of the sweep. */
+/* A valid flow at a point of the sweep, with a variant or, if the name is "",
+   without one. */
 typedef struct made {
   opc_recipe *recipe;
   opc_sweep *sweep;
@@ -176,7 +177,7 @@ static void test_removing(void) {
       "flow.yaml:6:3: unknown step 'ab'");
   check_text("opcflow: 1\nextends: base.yaml\nsteps:\n  a: ~\n",
              "base.yaml:3:3: the flow has no steps");
-  /* '~' removes only as the whole value. */
+  /* A quoted '~' is a text and removes nothing. */
   check_text(STEP "  b: { use: test.numbers, size: 1 nm, note: '~' }\n", "");
 }
 

@@ -4,7 +4,8 @@
 
 #include "core/binding/flow.h"
 
-/* Return the parameter at "step.parameter" or deeper; NULL if missing. */
+/* Return the parameter at "step.parameter" or "step.slot.parameter"; NULL if
+   missing. */
 const opc_parameter *opc_flow_parameter(const opc_flow *flow, const char *path);
 
 /* Return the parameter at a path in one of `bindings`, and this binding in

@@ -10,7 +10,7 @@
 
 enum {
   MOST_FILES = 16,   /* files in a chain of `extends` */
-  MOST_STEPS = 1000, /* also keys of a variant or a sweep */
+  MOST_STEPS = 1000, /* of a flow; also keys of a variant or a sweep */
   MOST_VARIANTS = 100
 };
 
@@ -100,7 +100,8 @@ static char *next_file(const opc_recipe *recipe, const opc_node *extends,
 
 /* Read a file and, recursively, the files that it extends. Returns FALSE and
    adds a problem on failure. `from` is the value of `extends` that names this
-   file (NULL: none); an unreadable file is reported at the place of `from`. */
+   file (NULL for the first file); an unreadable file is reported at the place
+   of `from`. */
 static gboolean read_file(opc_recipe *recipe, const char *path,
                           const opc_node *from, opc_problems *problems) {
   g_autofree char *folder = g_path_get_dirname(path);
@@ -145,7 +146,6 @@ static void take_steps(opc_recipe *recipe, const opc_node *root,
   opc_lay_steps(recipe->steps, steps, problems);
 }
 
-/* Remove a key; return FALSE if missing. */
 static gboolean remove_key(opc_node *map, const char *key) {
   int i = opc_node_find(map, key);
   if (i < 0) return FALSE;

@@ -13,7 +13,8 @@ typedef struct opc_recipe {
   GPtrArray *roots;         /* opc_node *: one per file */
   opc_node *steps;          /* merged steps; NULL: none given */
   opc_node *variants; /* name -> (path -> value). Entries of the extended flow
-                         precede; a path may occur twice */
+                         come first; if a path occurs twice, the later entry
+                         applies */
   opc_node *sweep;    /* path -> values */
   opc_node *demands;  /* merged "require"; empty: none */
 } opc_recipe;

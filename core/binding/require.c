@@ -8,8 +8,6 @@
 #include "core/binding/require.h"
 #include "core/plugin/value.h"
 
-/* ---- state ---- */
-
 /* State of reading one flow's requirements. */
 typedef struct reader {
   const opc_flow *flow;
@@ -22,8 +20,6 @@ static void requirement_free(gpointer item) {
   g_free(r->text);
   g_free(r);
 }
-
-/* ---- bounds ---- */
 
 /* Read a number with its unit into the unit of the metric. */
 static gboolean read_bound(const reader *in, const opc_requirement *r,
@@ -112,8 +108,6 @@ static gboolean read_text(const reader *in, opc_requirement *r,
   r->text = bound_text(r, relations[i].text, bound);
   return TRUE;
 }
-
-/* ---- requirements ---- */
 
 static void read_one(const reader *in, const char *path, const opc_node *key,
                      const opc_node *value) {

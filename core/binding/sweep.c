@@ -73,7 +73,7 @@ static gboolean is_fixed(const char *path, const char *const *sets,
 }
 
 /* Replace the axis of the same path, or append the axis; takes ownership. An
-   axis without values is dropped, because that problem was reported before. */
+   axis without values is dropped, because axis_new reported the problem. */
 static void put_axis(opc_sweep *sweep, opc_axis *axis) {
   if (!axis->values->len) {
     axis_free(axis);

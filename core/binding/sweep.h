@@ -8,14 +8,14 @@
 
 /* A swept parameter, or an axis of layers. */
 typedef struct opc_axis {
-  opc_inner_axis info; /* as passed to steps; texts as written */
+  opc_inner_axis info; /* description passed to steps */
   opc_place at;
   opc_source *source; /* source of the values */
   GPtrArray *values; /* opc_node *: values; for an axis of layers, maps of paths
                         and values */
-  char **variants;   /* variant to which each layer is applied, or "";
-                        `info.texts` then has the names of the layers. NULL: axis
-                        of a parameter */
+  char **variants;   /* NULL for a parameter. For an axis of layers, the variant
+                        to which each layer is applied, or ""; `info.texts` are
+                        the names of the layers */
 } opc_axis;
 
 typedef struct opc_sweep {
@@ -51,13 +51,13 @@ void opc_sweep_add_layers(opc_sweep *sweep, const char *path,
 gboolean opc_axis_touches(const opc_axis *axis, const opc_recipe *recipe,
                           const char *step);
 
-/* Return the number of levels of a sweep: one per axis of layers, and one for
-   all parameters together. */
+/* Return the number of levels (run/levels.h) of a sweep: one per axis of
+   layers, and one for all parameters together. */
 unsigned opc_sweep_depth(const opc_sweep *sweep);
 
 /* Return the level of each step, by step number (g_free). The level is 0 if no
    axis changes the step, directly or through a dependency; else the level of
-   the last such axis, counted from 1. */
+   the last such axis. */
 struct opc_flow;
 unsigned *opc_sweep_levels(const opc_sweep *sweep, const struct opc_flow *flow);
 

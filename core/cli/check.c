@@ -69,8 +69,8 @@ static GArray *open_files(const opc_recipe *recipe, const opc_choice *choice) {
 
 /* Report the required files that the flow or a variant does not name, and
    return whether any file is missing. Files that the flow itself lacks are not
-   reported again for its variants. A missing file is no problem, because the
-   user adds the layout to a process flow. */
+   reported again for its variants. A missing file is not a problem: the user
+   may set the file later by --set. */
 static gboolean needs_files(const opc_recipe *recipe, const opc_choice *choice,
                             GHashTable *reported, JsonArray *missing) {
   g_autoptr(GArray) its = open_files(recipe, choice);

@@ -4,8 +4,6 @@
 
 #include "core/cli/cli.h"
 
-/* ---- help ---- */
-
 /* Print the verbs of plugins; each plugin is loaded in a child process. */
 static void print_plugin_verbs(void) {
   g_autoptr(GPtrArray) found =
@@ -46,8 +44,6 @@ const cli_verb cli_help = {.name = "help",
                            .summary = "Show help",
                            .most = 1,
                            .run = run_help};
-
-/* ---- version ---- */
 
 static gboolean json;
 

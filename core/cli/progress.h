@@ -7,7 +7,7 @@
 #include "core/plugin/host.h"
 
 typedef struct cli_progress {
-  gboolean shown; /* FALSE: not printed */
+  gboolean shown; /* print the progress line */
   gboolean steps; /* print a line for each step of a second or more */
   int level;      /* lowest OPC_LOG_* level printed */
   GMutex lock;

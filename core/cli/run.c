@@ -244,9 +244,9 @@ static int run_all(const series *s) {
   return code;
 }
 
-/* Keep freed memory in the process, because fields of tens of megabytes are
-   allocated and freed at the same sizes. Repeated mapping and clearing would
-   cost a tenth of a correction's run time. */
+/* Keep freed memory in the process, because arrays of tens of megabytes are
+   freed and allocated again and again. Mapping and zeroing new pages each time
+   would cost about a tenth of the run time. */
 static void keep_memory(void) {
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   mallopt(M_TRIM_THRESHOLD, INT_MAX);
@@ -271,7 +271,7 @@ static int set_level(void) {
              : -1;
 }
 
-/* Return the store of results; NULL: all steps run. */
+/* Return the store of results; NULL if all steps run. */
 static opc_store *open_store(void) {
   opc_error error = {0};
   opc_store *store = no_cache ? NULL : opc_store_open(&error);

@@ -98,8 +98,8 @@ gconstpointer opc_declared_copy(gconstpointer from, size_t n, size_t theirs,
 
 /* ---- validity ---- */
 
-/* Return the first fault of a parameter that a constant text describes, as text
-   to append to the parameter's name; NULL if none. */
+/* Return the first fault of a parameter that needs no values in the message, as
+   text to append to the parameter's name; NULL without such a fault. */
 static const char *parameter_flaw(const opc_plugin *plugin,
                                   const opc_parameter *p) {
   uint32_t low = p->flags & (OPC_AT_LEAST | OPC_ABOVE);
@@ -146,7 +146,7 @@ static char *preset_fault(const opc_parameter *p) {
                          first->message);
 }
 
-/* Return whether one name is a group with the other name: "a" and "a.b". */
+/* Return whether one name is a group that contains the other: "a" and "a.b". */
 static gboolean are_nested(const char *a, const char *b) {
   return (g_str_has_prefix(a, b) && a[strlen(b)] == '.') ||
          (g_str_has_prefix(b, a) && b[strlen(a)] == '.');
@@ -193,7 +193,7 @@ static char *metric_fault(const opc_plugin *plugin, size_t i) {
     if (!strcmp(m->name, plugin->metrics[j].name))
       return g_strdup_printf("metric '%s' is declared twice", m->name);
   if (m->better > OPC_HIGHER || !m->summary)
-    return g_strdup_printf("metric '%s' has no direction, unit or summary",
+    return g_strdup_printf("metric '%s' has no valid direction or no summary",
                            m->name);
   return NULL;
 }

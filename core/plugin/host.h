@@ -20,7 +20,7 @@ typedef struct opc_watch {
 /* Return a host for the instance at `path` (opc_host_free). *watch (NULL: none)
    receives messages and progress. The functions table, metric, output_path and
    service call those of *like. If *like lacks a function, tables and metrics
-   are ignored, output_path fails, and pieces run one after another. `path`,
+   are ignored, output_path fails, and work units run in this process. `path`,
    `watch` and `like` outlive the host. */
 opc_host *opc_host_new(const char *path, const opc_watch *watch,
                        const opc_host *like);

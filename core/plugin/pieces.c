@@ -4,8 +4,6 @@
 
 #include <string.h>
 
-/* ---- one piece ---- */
-
 typedef struct buffer {
   opc_bytes bytes; /* must be first: cast from opc_bytes */
   GByteArray *all;
@@ -47,8 +45,6 @@ int opc_piece_take(const opc_pieces *p, size_t i, const void *bytes,
   int code = p->take(p->data, i, bytes, size, error);
   return code ? piece_fail(p, i, code, error) : OPC_OK;
 }
-
-/* ---- all pieces ---- */
 
 opc_pieces opc_pieces_copy(const opc_pieces *theirs, size_t size) {
   opc_pieces own = {.data = NULL};

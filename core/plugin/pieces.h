@@ -21,5 +21,5 @@ int opc_piece_take(const opc_pieces *pieces, size_t i, const void *bytes,
    zeros to the size of the host's struct. */
 opc_pieces opc_pieces_copy(const opc_pieces *theirs, size_t size);
 
-/* The service without a store and without other processes. */
+/* The service that stores no results and uses only this process. */
 extern const opc_pieces_service opc_pieces_alone;

@@ -150,7 +150,7 @@ static void explain_version(const opc_plugin *plugin, char **reason) {
       OPC_ABI_MINOR);
 }
 
-static GHashTable *loaders; /* id of a plugin (address) -> its loader */
+static GHashTable *loaders; /* address of a plugin's id -> loader */
 
 static const opc_plugin *ask_loader(opc_registry *registry, const char *path,
                                     const char *id, char **reason) {
@@ -260,7 +260,7 @@ char *opc_registry_id(const opc_registry *registry, const char *path) {
   return id;
 }
 
-/* Return all candidates whose ids begin with `prefix`, not yet tried. */
+/* Return all plugin files whose ids begin with `prefix`; none is loaded. */
 static GPtrArray *list_candidates(const opc_registry *registry,
                                   const char *prefix) {
   GPtrArray *list = g_ptr_array_new_with_free_func(candidate_free);

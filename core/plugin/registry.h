@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Search and loading of plugins. The plugin ID is the file ID.so, or
-   ID.EXT with a plugin loader.EXT, in the first folder of the search order that
-   has such a file. A file ID.EXT whose id has one word is no plugin. */
+/* Search and loading of plugins. The plugin with the id ID is the file ID.so,
+   or ID.EXT if a plugin loader.EXT exists. The first folder of the search order
+   with such a file is used. A file ID.EXT without a dot in ID is not a
+   plugin. */
 #pragma once
 
 #include <glib.h>

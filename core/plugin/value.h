@@ -19,7 +19,7 @@ typedef union opc_field {
 
 /* Checked value of a parameter. */
 typedef struct opc_setting {
-  gboolean present; /* a value is given or is the default */
+  gboolean present; /* the value is set or is the default */
   gboolean given;   /* the flow or the command line sets a value other than the
                        default */
   opc_field field;

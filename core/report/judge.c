@@ -7,8 +7,6 @@
 #include "core/binding/lookup.h"
 #include "core/report/judge.h"
 
-/* ---- state ---- */
-
 static void verdict_free(gpointer item) {
   opc_verdict *v = item;
   g_free(v->path);
@@ -21,8 +19,6 @@ static void verdict_free(gpointer item) {
 GPtrArray *opc_verdicts_new(void) {
   return g_ptr_array_new_with_free_func(verdict_free);
 }
-
-/* ---- one requirement ---- */
 
 /* Return the value of the metric; NAN if not published. */
 static double find_value(const GArray *metrics, const opc_requirement *r) {
@@ -55,8 +51,6 @@ static void requirement_judge(GPtrArray *verdicts, const GArray *metrics,
   v->at.file = g_strdup(r->at.file);
   g_ptr_array_add(verdicts, v);
 }
-
-/* ---- a run ---- */
 
 void opc_verdicts_judge(GPtrArray *verdicts, const opc_flow *flow,
                         const GArray *metrics, const gboolean *left_out) {

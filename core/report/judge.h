@@ -12,21 +12,21 @@ typedef struct opc_verdict {
   char *unit;         /* NULL: none */
   double least, most; /* infinite: no bound */
   double value;       /* NAN: not measured */
-  gboolean kept;
-  opc_place at; /* owns its `file` */
+  gboolean kept;      /* `value` meets the requirement */
+  opc_place at;       /* owns its `file` */
 } opc_verdict;
 
 /* Return an empty list of verdicts. */
 GPtrArray *opc_verdicts_new(void);
 
-/* Add a verdict for each requirement of the steps that are not left out
-   (`left_out` NULL: all steps); `metrics` has opc_inner_metric. */
+/* Add a verdict for each requirement of the steps that are not left out (of all
+   steps if `left_out` is NULL); `metrics` has opc_inner_metric. */
 void opc_verdicts_judge(GPtrArray *verdicts, const opc_flow *flow,
                         const GArray *metrics, const gboolean *left_out);
 
 /* Copy the failed verdicts of another run, until the list has 1000 verdicts.
-   `point`: point of the other run, 0 for none; `prefix`: prepended to the
-   paths. */
+   `point` is the point of the other run, or 0 outside a sweep; `prefix` is
+   prepended to the paths. */
 void opc_verdicts_take(GPtrArray *verdicts, const GPtrArray *from, size_t point,
                        const char *prefix);
 

@@ -7,7 +7,8 @@
 static const opc_metric metric = {.name = "largest", .unit = "%"};
 static const opc_binding step = {.path = (char *)"mask"};
 
-/* Return the verdicts of a flow with one requirement; NAN: not measured. */
+/* Return the verdicts of a flow with one requirement; NAN for a metric that was
+   not measured. */
 static GPtrArray *verdicts_of(double least, double most, gboolean open,
                               double value) {
   opc_requirement r = {.path = (char *)"mask.largest",
@@ -85,8 +86,8 @@ static void test_messages(void) {
   }
 }
 
-/* Failed verdicts of a point are copied with its number, until there are
-   1000. */
+/* Failed verdicts are copied with the number of their point, until the list has
+   1000 verdicts. */
 static void test_points(void) {
   g_autoptr(GPtrArray) kept = verdicts_of(0, 1, FALSE, 0.5);
   g_autoptr(GPtrArray) broken = verdicts_of(0, 1, FALSE, 2);

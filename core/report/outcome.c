@@ -40,8 +40,6 @@ void opc_outcome_fail_point(opc_outcome *out, int code) {
   out->failed_points++;
 }
 
-/* ---- JSON ---- */
-
 static void set_text(JsonObject *o, const char *key, const char *text) {
   json_object_set_string_member(o, key, text);
 }

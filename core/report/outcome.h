@@ -11,7 +11,7 @@
 #include "core/report/table.h"
 
 typedef struct opc_outcome {
-  char *folder;  /* run folder; NULL: nothing was kept */
+  char *folder;  /* run folder; NULL if no files were kept */
   char *failure; /* why a step failed; NULL: no failure */
   GDateTime *started;
   double total;      /* seconds */
@@ -26,15 +26,15 @@ typedef struct opc_outcome {
   const opc_sweep *sweep; /* NULL: none */
   opc_table *points;      /* parameters and metrics of all points of a sweep */
   size_t failed_points;   /* including failed points of inner flows */
-  int points_code;        /* OPC_LIMIT if that is the code of all failed points,
-                             else OPC_FAILED */
+  int points_code;        /* OPC_LIMIT if all failed points have this code, else
+                             OPC_FAILED */
 } opc_outcome;
 
 /* Initialize the outcome of a run of `steps` steps that starts now. */
 void opc_outcome_init(opc_outcome *outcome, guint steps);
 void opc_outcome_clear(opc_outcome *outcome);
 
-/* Count a failed point. */
+/* Count a failed point whose problems have the code `code`. */
 void opc_outcome_fail_point(opc_outcome *outcome, int code);
 
 /* Return the metrics by instance, in the order in which they were published. */

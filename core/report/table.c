@@ -7,8 +7,6 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* ---- copies ---- */
-
 void *opc_table_add(opc_table *table, const char *name, const char *unit,
                     uint32_t type, int32_t decimals) {
   void *data = g_malloc0_n(table->rows + 1, 8);
@@ -68,8 +66,6 @@ const opc_column *opc_table_column(const opc_table *table, const char *name) {
   return NULL;
 }
 
-/* ---- cells ---- */
-
 char *opc_table_cell(const opc_column *c, size_t row) {
   switch (c->type) {
     case OPC_TEXT:
@@ -86,10 +82,8 @@ static char *table_heading(const opc_column *c) {
                              : g_strdup(c->name);
 }
 
-/* ---- as text ---- */
-
-/* Return the table as a sheet. `exact`: numbers without a number of decimals
-   get all digits. */
+/* Return the table as a sheet. Numbers of a column with `decimals` < 0 have all
+   digits if `exact` is TRUE, else six. */
 static opc_sheet *table_sheet(const opc_table *table, gboolean exact) {
   opc_sheet *s = opc_sheet_new(table->n_columns);
   for (size_t row = 0; row <= table->rows; row++)

@@ -24,7 +24,7 @@ void opc_call_set_inputs(const opc_run *run, const opc_flow_step *step,
   }
 }
 
-/* Call the check of each output's kind. */
+/* Implements the call of `check` for each output. */
 int opc_call_check(const opc_run *run, const opc_flow_step *step,
                    opc_error *error) {
   const opc_plugin *plugin = step->binding->plugin;
@@ -44,8 +44,6 @@ int opc_call_check(const opc_run *run, const opc_flow_step *step,
   }
   return OPC_OK;
 }
-
-/* ---- forecasts ---- */
 
 static int check_memory(const opc_forecast *wanted, opc_error *error) {
   const char *source;
@@ -78,10 +76,8 @@ int opc_call_forecast(const opc_run *run, const opc_flow_step *step,
   return code ? code : check_memory(out, error);
 }
 
-/* ---- running ---- */
-
-/* Start the time limit of a step. A step that continues for `patience` s beyond
-   the limit ends the process. */
+/* Start the time limit of a step. If the step still runs `patience` seconds
+   after the limit, the process ends. */
 static void limit_begin(opc_run *run, const opc_flow_step *step,
                         stop_limit *hard) {
   static const double patience = 5, most = 1e9;
@@ -153,7 +149,7 @@ int opc_call_run(opc_run *run, const opc_flow_step *step, gboolean sketch,
   return code ? code : opc_call_check(run, step, error);
 }
 
-/* Remove the files that a failed step was writing, which may be incomplete. */
+/* Remove the output files of a failed step, which may be incomplete. */
 static void remove_given(const opc_run *run) {
   for (guint i = 0; i < run->written.given->len; i++)
     (void)remove(run->written.given->pdata[i]);

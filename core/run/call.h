@@ -16,7 +16,7 @@ int opc_call_check(const opc_run *run, const opc_flow_step *step,
 
 /* Store the forecast of a step in *out; zeros if the step has no forecast. The
    inputs of the step must be present. Returns OPC_OK, or a code and *error,
-   also if the step needs more memory than the machine has. */
+   also if the step needs more memory than is free. */
 int opc_call_forecast(const opc_run *run, const opc_flow_step *step,
                       opc_forecast *out, opc_error *error);
 

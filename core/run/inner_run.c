@@ -28,10 +28,11 @@ struct opc_inner_runs {
   char *folder;
   opc_levels levels;
   opc_run *trunk;
-  size_t count;                     /* runs without full reports */
-  size_t done, share;               /* finished points; points of the current
-                                       run */
-  gboolean verbose;                 /* pass on informational messages, too */
+  size_t count;                     /* calls of `run`; number in a folder's
+                                       name */
+  size_t done, share;               /* finished points; points that the current
+                                       run counts as */
+  gboolean verbose;                 /* pass on the messages of the run */
   opc_inner_run whole;              /* result of the last run with full
                                        reports */
   const opc_inner_metric **metrics; /* result of the last get_metrics */
@@ -41,8 +42,8 @@ static opc_inner_runs *runs_of(const opc_host *host) {
   return opc_inner_of(host)->runs;
 }
 
-/* Use the inputs of the calling step as outputs of the given steps of the inner
-   flow. */
+/* Use inputs of the calling step as outputs of the steps that they replace
+   (OPC_INNER_STEP). */
 static void put_given(const opc_inner *in, opc_run *run) {
   const opc_binding *b = in->binding;
   for (size_t i = 0; i < b->plugin->n_parameters; i++) {
@@ -56,8 +57,8 @@ static void put_given(const opc_inner *in, opc_run *run) {
 
 /* ---- running: messages and progress ---- */
 
-/* Pass on a message of a run that is kept. Messages of other runs are dropped,
-   because they repeat at every point. */
+/* Pass on a message of the trunk (levels.h) or of a run with `keep`. Messages
+   of other runs are dropped, because they repeat at every point. */
 static void take_log(void *data, const char *path, int level,
                      const char *message) {
   const opc_inner_runs *runs = data;
@@ -116,8 +117,9 @@ static void free_runs(opc_inner_runs *runs) {
   g_free(runs);
 }
 
-/* Start the inner runs and run the trunk. Each level, like the trunk, has a
-   separate folder, whose files are copied to each run that is kept. */
+/* Start the inner runs and run the trunk. The trunk and each level (levels.h)
+   have a folder of their own, whose files are copied to each run that is
+   kept. */
 static int inner_runs_begin(const opc_host *host, opc_error *error) {
   const opc_binding *b = host->data;
   g_autofree char *name = g_build_filename(b->path, "flow.yaml", NULL);
@@ -228,7 +230,7 @@ static void keep_run(opc_inner_runs *runs, const char *prefix,
   opc_reports_write(run, TRUE, problems);
 }
 
-/* Finish the points of a run and return the code of its problems. */
+/* Count the points of a run as finished and return the code of the problems. */
 static int end_point(opc_inner_runs *runs, size_t share, opc_problems *problems,
                      opc_error *error) {
   int code = opc_problems_code(problems);

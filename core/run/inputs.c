@@ -5,7 +5,8 @@
 #include "core/binding/inner.h"
 #include "core/binding/lookup.h"
 
-/* Return the context of an instance; all contexts share one signal state. */
+/* Return the context of the first step; all contexts report the same stop
+   request. */
 static const opc_context *run_context(const opc_run *run) {
   const opc_flow_step *first = run->flow->order->pdata[0];
   return first->binding->host ? first->binding->host->context : NULL;

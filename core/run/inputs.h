@@ -10,5 +10,6 @@
 gboolean opc_inputs_sum(opc_run *run, const opc_flow *flow,
                         opc_problems *problems);
 
-/* List the files read by the run's flow, with checksums known to `from`. */
+/* List the files that the run's flow reads; reuse the checksums that `from`
+   has. */
 void opc_inputs_take(opc_run *run, const opc_run *from, opc_problems *problems);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Collects the facts that a step's result depends on: builds of plugins and of
    all linked objects, values, contents of files, and the keys of the inputs. A
-   key contains neither numbers of threads nor places in files. */
+   key does not depend on the number of threads or on places in flow files. */
 #include "core/run/key.h"
 
 #include <base/file.h>
@@ -13,7 +13,7 @@
 typedef struct keyer {
   opc_store *store;
   opc_key *keys, *key;       /* keys of all steps; key of this step */
-  const opc_flow_step *step; /* NULL: key of an instance alone */
+  const opc_flow_step *step; /* NULL for the key of an instance */
   const char *root;          /* path of the step or instance */
   GVariantBuilder facts;
 } keyer;
@@ -33,8 +33,8 @@ static void keyer_add(keyer *k, char about, const char *path, const char *shown,
   opc_facts_add(&k->facts, about, path, shown, sum);
 }
 
-/* Exclude the result from the store because a fact is unknown; takes ownership
-   of the reason. */
+/* Record why the result cannot be stored; takes ownership of the reason. The
+   first reason is kept. */
 static void keyer_exclude(keyer *k, char *why) {
   if (k->key->why)
     g_free(why);
@@ -79,7 +79,8 @@ static void add_beside(keyer *k, const char *path, const char *file) {
       g_ptr_array_remove_index(names, i);
   }
   if (!names || names->len > MOST) {
-    keyer_exclude(k, g_strdup_printf("'%s' has too many files", folder));
+    keyer_exclude(
+        k, g_strdup_printf("'%s' is unreadable or has too many files", folder));
     return;
   }
   for (guint i = 0; i < names->len; i++) {

@@ -16,9 +16,9 @@ enum {
 };
 
 typedef struct opc_key {
-  char *sum;        /* the key; NULL: the result is not stored */
-  char *why;        /* reason why not stored */
-  GVariant *facts;  /* NULL: not stored */
+  char *sum;        /* the key; NULL if the result is not stored */
+  char *why;        /* reason why the result is not stored */
+  GVariant *facts;  /* NULL if the result is not stored */
   GPtrArray *files; /* path, checksum, path ...: of the files read */
 } opc_key;
 
@@ -28,12 +28,13 @@ void opc_key_clear(opc_key *key);
    change while the step runs. */
 gboolean opc_key_is_unchanged(const opc_key *key, opc_store *store);
 
-/* Compute the keys of all steps of a flow, by step number. Keys with a `sum` or
-   a `why` are not changed. */
+/* Compute the keys of all steps of a flow, by step number, except keys that
+   already have a `sum` or a `why`. */
 void opc_flow_keys(const opc_flow *flow, opc_store *store, opc_key *keys);
 
-/* Return the key of an instance with its slots, without its inputs and the
-   command (g_free); NULL and *error if the key cannot be computed. */
+/* Return the key of an instance and of the plugins in its slots (g_free).
+   Inputs and the build of the command are not part of the key. NULL and *error
+   if the key cannot be computed. */
 char *opc_binding_key(const opc_binding *binding, opc_store *store,
                       opc_error *error);
 

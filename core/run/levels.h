@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Runs of a flow at the points of a sweep. Each step belongs to a level, which
-   follows from the last axis of the sweep that changes the step. Level 0, the
-   trunk, has the steps that no axis changes; they run once. Level i + 1 has the
-   steps whose last axis is axis i; they run again if a value of the axes 0 to i
-   changes. The steps of the last level run at each point. */
+   follows from the last axis of the sweep that changes the step, directly or
+   through an input. Level 0, the trunk, has the steps that no axis changes;
+   they run once. Level i + 1 has the steps whose last axis is the axis of
+   layers i (opcflow/inner.h); they run again if a value of the axes 0 to i
+   changes. All axes of parameters together form the last level. The steps of
+   the last level run at each point. */
 #pragma once
 
 #include "core/run/run.h"
@@ -14,7 +16,8 @@ typedef struct opc_levels {
   opc_registry *registry;
   const opc_watch *watch; /* for all runs but the trunk */
   opc_run *outer;         /* run that contains all levels */
-  /* Return the steps to run, by step number (g_free); NULL: all. */
+  /* Return by step number whether a step must run (g_free). A NULL pointer
+     selects all steps. */
   gboolean *(*needed)(const void *data, const opc_flow *flow);
   const void *data;
   gboolean one_folder; /* 1: file names must be unique over all levels */
@@ -39,13 +42,13 @@ void opc_levels_clear(opc_levels *levels);
 void opc_levels_run(opc_levels *levels, size_t point, const char *folder,
                     opc_problems *problems);
 
-/* Discard levels in which the user stopped the run, so that they run again. */
+/* Discard levels that the user stopped, so that these levels run again. */
 void opc_levels_forget_stopped(opc_levels *levels);
 
 /* Return the folder of a level (g_free). */
 char *opc_levels_folder(const opc_levels *levels, unsigned level);
 
 /* Write the resolved flow and the metrics of a point's run into the folder of
-   the run; with `keep` FALSE, remove the folder. */
+   the run; if `keep` is FALSE, remove the folder instead. */
 void opc_levels_close(const opc_run *run, gboolean keep,
                       opc_problems *problems);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pieces (work units) of a step's work in a run. */
+/* Pieces: the work units into which a step divides its work
+   (opcflow/pieces.h). */
 #pragma once
 
 #include <opcflow/pieces.h>

@@ -29,7 +29,7 @@ static gboolean in_piece(const opc_run *run, const char *name,
 }
 
 /* Return the path of the instance that has written, or will write, a file of
-   the run folder; NULL: none. */
+   the run folder; NULL if no instance does. */
 static const char *owner_of(const opc_run *run, const char *name) {
   const char *owner = g_hash_table_lookup(run->written.claims, name);
   return owner ? owner : g_hash_table_lookup(run->written.outputs, name);

@@ -4,5 +4,6 @@
 
 #include "core/run/run.h"
 
-/* Host functions for instances of a run, which owns their `data`. */
+/* Host functions that publish results into the run of the calling instance
+   (opc_binding.run). */
 extern const opc_host opc_run_publisher;

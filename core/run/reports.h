@@ -15,7 +15,8 @@ gboolean opc_reports_has_others(const opc_run *run);
 gboolean opc_reports_write_file(const opc_run *run, const char *name,
                                 char *text, opc_problems *problems);
 
-/* Write flow.yaml, metrics.json and manifest.json. `last`: nothing is written
-   after them. Returns FALSE and adds problems on failure. */
+/* Write flow.yaml, metrics.json and manifest.json. If `last` is TRUE, the
+   manifest lists the files of the folder, to which no file may be added later.
+   Returns FALSE and adds problems on failure. */
 gboolean opc_reports_write(const opc_run *run, gboolean last,
                            opc_problems *problems);

@@ -103,7 +103,8 @@ GVariant *opc_result_new(const opc_run *run, const opc_flow_step *step,
 
 /* ---- to a run ---- */
 
-/* Return the host of the instance at a relative path; NULL if there is none. */
+/* Return the host of the instance at a path relative to the step, or that of
+   the step if no instance has the path. */
 static const opc_host *host_of(const opc_flow_step *step, const char *rest) {
   g_autoptr(GPtrArray) all = g_ptr_array_new();
   opc_binding_list(step->binding, all);

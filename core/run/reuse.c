@@ -55,7 +55,8 @@ void opc_reuse_report(const opc_run *run) {
   }
 }
 
-/* Record that a reused step ran again for its outputs. */
+/* Record that a reused step ran again because the step `whom` needs its
+   outputs. */
 static void rerun_record(opc_run *run, const opc_flow_step *step,
                          const char *whom) {
   char *path = g_strdup(step->name);
@@ -98,16 +99,16 @@ static void keep_facts(opc_store *store, const opc_flow_step *step,
 /* ---- keys ---- */
 
 /* Return the step of the same name in the run whose outputs this run uses
-   (`kept.base`); NULL: none. */
+   (`kept.base`); NULL without such a step. */
 static const opc_flow_step *step_of_base(const opc_run *run,
                                          const opc_flow_step *step) {
   return run->kept.base ? opc_flow_find(run->kept.base->flow, step->name)
                         : NULL;
 }
 
-/* Set the keys of the given steps in an inner flow. An input of the calling
-   step replaces the output of a given step, so the key is that of the step of
-   the outer flow that provides the input. */
+/* Set the keys of the steps of an inner flow whose output is an input of the
+   calling step (OPC_INNER_STEP). Each has the key of the step of the outer flow
+   that provides the input. */
 static void take_given(opc_run *run) {
   const opc_flow_step *outer = run->main ? run->main->at : NULL;
   for (guint i = 0; outer && i < outer->inputs->len; i++) {
@@ -145,8 +146,8 @@ static char *name_of(const opc_key *key, const char *ending) {
 
 /* ---- loading and storing results ---- */
 
-/* Return the stored result of a step; NULL: none. A step with an inner flow
-   always runs: the steps of that flow are reused. */
+/* Return the stored result of a step; NULL if none is stored. A step with an
+   inner flow always runs; only the steps of the inner flow are reused. */
 static GVariant *find_result(const opc_run *run, const opc_flow_step *step) {
   const opc_key *key = &run->kept.keys[step->number];
   if (!key->sum || step->binding->inner) return NULL;

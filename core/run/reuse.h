@@ -19,7 +19,8 @@ void opc_reuse_report(const opc_run *run);
 /* Store the result of a step that ran, with the tables from index `tables`. */
 void opc_reuse_keep(opc_run *run, const opc_flow_step *step, guint tables);
 
-/* Load the outputs of a step, or run the step again for them. `whom`: the step
-   that needs them. Returns FALSE and adds a problem on failure. */
+/* Load the outputs of a step from the store, or run the step again. `whom` is
+   the name of the step that needs the outputs. Returns FALSE and adds a problem
+   on failure. */
 gboolean opc_reuse_provide(opc_run *run, const opc_flow_step *step,
                            const char *whom, opc_problems *problems);

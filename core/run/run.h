@@ -42,9 +42,10 @@ typedef struct opc_listener {
 typedef struct opc_written {
   char *work;          /* temporary folder until the run has its name */
   gboolean guarded;    /* keep the folder if a plugin crashes */
-  GHashTable *claims;  /* file in the folder -> path of the instance */
+  GHashTable *claims;  /* file in the folder -> path of the instance that writes
+                          the file */
   GHashTable *outputs; /* the same for files named by parameters */
-  GPtrArray *given;    /* paths of files that the running step writes */
+  GPtrArray *given;    /* paths of output files of the running step */
   opc_error refusal;   /* first refused publication */
 } opc_written;
 
@@ -59,8 +60,8 @@ typedef struct opc_kept {
   opc_key *keys;     /* one per step; empty without a store. Keys set before the
                         run are kept */
   GPtrArray *pieces; /* names in the store of the running step's pieces */
-  struct opc_run *base; /* run with the steps left out here, matched by name;
-                           NULL: none */
+  struct opc_run *base; /* run whose outputs replace those of the steps left out
+                           here (matched by name), or NULL */
 } opc_kept;
 
 typedef struct opc_run opc_run;
@@ -70,12 +71,12 @@ struct opc_run {
   const opc_run_options *options;
   opc_host like;           /* host functions for the instances */
   void ***objects;         /* [step][output] */
-  gboolean *left_out;      /* one per step: not run here */
-  opc_run *main;           /* run that contains this one; NULL: none */
+  gboolean *left_out;      /* one per step: the step does not run in this run */
+  opc_run *main;           /* run that contains this run; NULL if none does */
   const opc_flow_step *at; /* running step */
   gint64 deadline; /* time limit of the running step on the monotonic clock, us;
                       0: none */
-  gboolean apart;  /* the step runs in this rank only */
+  gboolean apart;  /* the running step runs in this rank only */
   opc_outcome out;
   opc_listener listener;
   opc_written written;
@@ -83,8 +84,9 @@ struct opc_run {
   opc_kept kept;
 };
 
-/* Return a run of a valid flow (opc_run_free). The instances get hosts like
-   `like` (NULL: nothing is published) and report to `watch` (NULL: none). */
+/* Return a run of a valid flow (opc_run_free). The hosts of the instances have
+   the functions of `like` (if NULL, nothing is published). Messages go to
+   `watch` (may be NULL). */
 opc_run *opc_run_new(opc_flow *flow, opc_registry *registry,
                      const opc_run_options *options, const opc_watch *watch,
                      const opc_host *like);
@@ -97,7 +99,8 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_run, opc_run_free)
 void opc_run_release(opc_run *run, const opc_flow_step *step);
 void opc_run_release_all(opc_run *run);
 
-/* Return the ranks that take part in the running step; NULL: this rank. */
+/* Return the ranks that take part in the running step; NULL if only this rank
+   does. */
 const ranks_group *opc_run_ranks(const opc_run *run);
 
 /* Return whether this rank reads, publishes and stores results. */

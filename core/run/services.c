@@ -14,15 +14,13 @@
 #include "core/run/pieces.h"
 #include "core/run/run.h"
 
-/* Return the store of a host; NULL: nothing is stored. */
+/* Return the store of a host; NULL if nothing is stored. */
 static opc_store *results_store(const opc_host *host) {
   const opc_binding *b = host->data;
   return host->service == opc_run_service
              ? ((const opc_run *)b->run)->options->store
              : b->store;
 }
-
-/* ---- identity ---- */
 
 /* Return FALSE and *error if a plugin instance below `of`, except `b`, refers
    to an output of another step. A step can include the identities of its own
@@ -64,8 +62,6 @@ static const char *results_identity(const opc_host *host, const char *slot,
   if (text) g_ptr_array_add(b->owned, text);
   return text;
 }
-
-/* ---- results ---- */
 
 /* Return the name under which the result `key` is stored (g_free); NULL if the
    build of the plugin is unknown. */
@@ -111,8 +107,6 @@ static const opc_results results = {.size = sizeof results,
                                     .identity = results_identity,
                                     .find = results_find,
                                     .keep = results_keep};
-
-/* ---- entry ---- */
 
 const void *opc_results_service(const opc_host *host, const char *name) {
   return !strcmp(name, OPC_RESULTS) && host->data

@@ -14,8 +14,8 @@
    values. The host expands lists, patterns and files in the map
    (docs/reference/flow.md). Axes of layers precede the axes of `sweep`, in the
    order of declaration. If two axes change the same path, the later axis
-   applies. A step that depends only on the first axes runs once for all points
-   with equal values of these axes.
+   applies. A step that the last axes do not change runs once for all points
+   that differ only in the values of those axes.
 
    An OPC_INPUT with OPC_INNER_STEP, if given, replaces the step of the inner
    flow that has the name of the parameter. The host uses the object of the
@@ -42,8 +42,8 @@ typedef struct opc_inner_axis {
   const char *const
       *texts; /* values as written in the flow, or names of layers, which are
                  unique and valid as folder names */
-  int used;   /* 1: a result requested by `metric` or `output`
-                 depends on this axis */
+  int used;   /* 1 if a result requested by `metric` or `output` depends on this
+                 axis, else 0 */
   OPC_MAY_GROW
 } opc_inner_axis;
 
@@ -121,8 +121,8 @@ typedef struct opc_inner_service {
      manifest.json and the files of all steps, including those of `begin`.
      `metrics` then returns the metrics of all steps. Returns OPC_LIMIT if the
      run is complete but violates a requirement of the flow. After any other
-     failure *out is NULL and no folder exists. A failure affects the exit code
-     like that of a sweep point. */
+     failure *out is NULL and no folder exists. A failure changes the exit code
+     of the command as a failed point of a sweep does. */
   int (*run_whole)(const opc_host *host, size_t point, const char *folder,
                    size_t share, const opc_inner_run **out, opc_error *error);
   OPC_MAY_GROW

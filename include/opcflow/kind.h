@@ -79,8 +79,9 @@ typedef struct opc_kind {
   const opc_template *templates;
 
   /* `opcflow lint` passes the sample files one after another to a plugin with a
-     required file parameter, until the plugin accepts one. Examples are objects
-     for inputs of steps; the plugin "kind.step" has the samples for steps. */
+     required file parameter, until the plugin accepts one. The lint of a step
+     passes `examples` of all kinds as inputs. The samples for steps are those
+     of the plugin "kind.step". */
   size_t n_samples, sample_size;
   const opc_sample *samples;
   size_t n_examples, example_size;

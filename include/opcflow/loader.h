@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "loader": reads plugins from files that are not shared objects. The
-   plugin "loader.EXT" reads the files ID.EXT of the plugin folders, and
-   implements their functions. [main]: see plugin.h. */
+   plugin "loader.EXT" reads the files ID.EXT of the plugin folders and
+   implements the functions of the plugins in these files. [main]: see
+   plugin.h. */
 #ifndef OPCFLOW_LOADER_H
 #define OPCFLOW_LOADER_H
 

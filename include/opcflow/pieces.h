@@ -71,8 +71,9 @@ typedef struct opc_pieces_service {
 
 /* Compute all work units and pass the results to `take`. Returns 0, or the
    first error of `work` or `take`. A step without the flag OPC_STEP_PIECES
-   computes all units in its own process. A call from inside `work` computes in
-   the calling process and keeps no results. [main], while a step runs. */
+   computes all units in its own process. A call of opc_do_pieces from inside
+   `work` computes all units in the calling process and keeps no results.
+   [main], while a step runs. */
 OPC_UNUSED static int opc_do_pieces(const opc_host *host,
                                     const opc_pieces *shared,
                                     opc_error *error) {

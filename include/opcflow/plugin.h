@@ -27,22 +27,22 @@ OPC_C_BEGIN
 
    1. Existing fields, functions, flags and names keep their meaning and
       position. opc_error, opc_module, opc_reals, opc_pair, opc_map,
-      opc_progress and the first three fields of opc_plugin are frozen.
+      opc_progress and the first three fields of opc_plugin never change.
 
    2. A struct that ends with OPC_MAY_GROW (base.h) may get fields before that
       line. A plugin passes the size of each struct that it declares. The host
       reads fields within that size, and takes missing fields as 0.
 
    3. A struct that the host passes may be longer than the plugin's header
-      declares. A plugin must not copy such a struct or make an array of it. If
-      a field was added to a struct with `size`, a plugin tests by OPC_HAS
-      whether the host, which may be older, has the field.
+      declares. A plugin must not copy such a struct or make an array of it. The
+      host may also be older than the header and lack a field that was added to
+      a struct with `size`; a plugin tests this by OPC_HAS.
 
    4. Functions that few plugins need are in structs that are found by name,
       such as "opcflow.inner/1". opc_host.service returns the structs of the
       host, opc_plugin.extension those of the plugin; both return NULL for an
-      unknown name. A struct that must change against rules 1 and 2 gets a new
-      name.
+      unknown name. If rules 1 and 2 forbid a change of a struct, the changed
+      struct gets a new name.
 
    5. The functions of a kind of plugins (kind.h) follow rules 1 and 2. A plugin
       must have the functions of the first version of its kind. */
@@ -71,8 +71,8 @@ enum {
   OPC_OUTPUT = 7, /* name of a file to write in the run folder, for
                      opc_host.output_path   const char *         NULL */
   OPC_REALS = 8,  /* [1 nm, 2 nm]           opc_reals            NULL, 0 */
-  OPC_MAP = 9,    /* { poly: 9/0, ... }; `choices` lists the allowed keys,
-                     NULL: any key          opc_map              NULL, 0 */
+  OPC_MAP = 9,    /* { poly: 9/0, ... }; `choices` lists the allowed keys; if
+                     NULL, any key is allowed. opc_map              NULL, 0 */
   OPC_INPUT = 10, /* ${step} or ${step.port}; `choices` lists the allowed
                      data kinds; the host sets the field only while the step
                      runs                   const void *         NULL */
@@ -124,11 +124,12 @@ enum {
    a dot separates a group and its member: "anchor.line" is written `anchor: {
    line: 65 nm }`. `unit` is the unit of the number that the plugin receives
    ("nm", "%", "V", "A", "C", "deg", "s", "1/nm"); the flow must write a unit of
-   the same dimension. NULL: a plain number. `preset` is the default in the
-   notation of a flow, NULL for none. `offset` and `width` are position and size
-   of the field in the instance, bytes. `given` is the offset of an int field,
-   or 0 for no field. The host sets this field to 1 if the flow or the command
-   line sets a value other than the default, else to 0. */
+   the same dimension. If `unit` is NULL, the value is a plain number. `preset`
+   is the default in the notation of a flow; NULL if the parameter has no
+   default. `offset` and `width` are position and size of the field in the
+   instance, bytes. `given` is the offset of an int field, or 0 for no field.
+   The host sets this field to 1 if the flow or the command line sets a value
+   other than the default, else to 0. */
 typedef struct opc_parameter {
   const char *name;
   uint32_t type;
@@ -168,7 +169,8 @@ typedef struct opc_metric {
   const char *name;
   const char *unit; /* NULL: a plain number */
   uint32_t better;
-  double tolerance; /* in `unit`; smaller differences are insignificant */
+  double tolerance; /* in `unit`; smaller differences between two runs are
+                       insignificant */
   const char *summary;
   OPC_MAY_GROW
 } opc_metric;
@@ -222,12 +224,12 @@ struct opc_host {
   void (*progress)(const opc_host *host, const opc_progress *progress);
 
   /* Publish a table; `name` has no '/'. The host writes NAME.csv in the run
-     folder, or STEP.NAME.csv if another step has written NAME.csv. It prints
-     the table if OPC_TABLE_PRINT is set. The host copies all data.
-     `column_size` is sizeof(opc_column) in the plugin, passed by opc_put_table
-     and opc_put_rows (table.h). Returns 0, or an error code with *error filled;
-     the step then fails even if the plugin continues. [main], while a step
-     runs. */
+     folder, or STEP.NAME.csv if another step or a parameter uses the name
+     NAME.csv. The host prints the table if OPC_TABLE_PRINT is set, and copies
+     all data. `column_size` is sizeof(opc_column) in the plugin, passed by
+     opc_put_table and opc_put_rows (table.h). Returns 0, or an error code with
+     *error filled; the step then fails even if the plugin continues. [main],
+     while a step runs. */
   int (*table)(const opc_host *host, const char *name, uint32_t flags,
                size_t rows, const opc_column *columns, size_t n_columns,
                size_t column_size, opc_error *error);
@@ -290,7 +292,7 @@ typedef struct opc_plugin {
   size_t instance_size;
 
   /* Check constraints that declarations of parameters cannot express, such as
-     the order of two bounds, and prepare the instance as far as that takes
+     the order of two bounds, and do the preparations of the instance that take
      little time. The content of files is not checked here. Fields of inputs are
      NULL. The host calls this function for every command that reads the flow,
      such as `opcflow check`. Returns 0, or an error code with *error filled.

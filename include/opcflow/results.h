@@ -17,10 +17,11 @@ typedef struct opc_results {
   size_t size; /* size of this struct */
 
   /* Return a hash (SHA-256, hexadecimal) of the plugin in `slot`, or of this
-     plugin for NULL. The hash covers build, parameters, contents of files, and
-     slots, but no inputs. The text is valid as long as the instance. "" for an
-     empty slot. Returns NULL and fills *error in four cases: `slot` is not a
-     slot of this plugin; a file cannot be read; a plugin is not
+     plugin for NULL. The hash covers the plugin's build, the values of its
+     parameters, the contents of files that parameters name, and the plugins in
+     its slots; it does not cover inputs. The text is "" for an empty slot, and
+     valid as long as the instance. Returns NULL and fills *error in four cases:
+     `slot` is not a slot of this plugin; a file cannot be read; a plugin is not
      OPC_DETERMINISTIC; a plugin in a slot, at any depth, has an input
      ('${gates}'). */
   const char *(*identity)(const opc_host *host, const char *slot,

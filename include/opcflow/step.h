@@ -74,8 +74,8 @@ typedef struct opc_step {
      of `run` on the same machine, reads the outputs from that folder; later
      steps must produce bit-identical results. Inputs are available and equal in
      both calls. If `restore` fails, the host releases the objects in `outputs`
-     and runs the step. Both NULL: the step runs whenever a later step that runs
-     needs the outputs. [main] */
+     and runs the step. If both are NULL, the step runs whenever a later step
+     that runs needs the outputs. [main] */
   int (*save)(void *self, void *const *outputs, const char *folder,
               opc_error *error);
   int (*restore)(void *self, const char *folder, void **outputs,

@@ -68,7 +68,8 @@ OPC_EXPORT const char *opc_test_log(void);
 /* Discard metrics, tables and log. */
 OPC_EXPORT void opc_test_forget(void);
 
-/* Set the return value of opc_host.cancelled. */
+/* Set the return value of opc_context.cancelled of the test host: 1 requests
+   the plugin to stop, 0 does not. */
 OPC_EXPORT void opc_test_cancel(int cancel);
 
 OPC_C_END

@@ -17,8 +17,8 @@ static void lay_map(const layer *l, opc_node *under, const opc_node *over);
 
 /* ---- one key ---- */
 
-/* Copy a node. A map is applied to an empty map, which removes the keys with
-   the value `~`. */
+/* Copy a node. A map is applied to an empty map, so that a value `~` is
+   reported: there is no key to remove. */
 static opc_node *node_copy(const layer *l, const opc_node *node) {
   if (node->type != OPC_NODE_MAP) return opc_node_copy(node, NULL);
   opc_node *map = opc_node_map_new(node->source, &node->at);
@@ -68,7 +68,8 @@ static void map_put(opc_node *map, const opc_node *key, const char *path,
                     const opc_node *value, gboolean deep,
                     opc_problems *problems);
 
-/* Copy all keys of a map into another; `deep`: also expand keys with dots. */
+/* Copy all keys of a map into another map and make keys with dots nested maps,
+   inside nested values only if `deep` is TRUE. */
 static void put_all(opc_node *map, const opc_node *from, gboolean deep,
                     opc_problems *problems) {
   for (guint i = 0; i < from->keys->len; i++)
@@ -130,7 +131,8 @@ static gboolean map_continues_key(const opc_node *map, const opc_node *other) {
   return FALSE;
 }
 
-/* Replace dotted keys by nested maps in two layers. */
+/* Replace dotted keys by nested maps: in `under` itself, and in the returned
+   copy of `over`. */
 static opc_node *undot_both(opc_node *under, const opc_node *over,
                             opc_problems *problems) {
   opc_node *flat = opc_undot(under, FALSE, problems);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reader of lists: a list of maps from CSV, or any list from YAML. */
+/* Reader of lists: a list of maps from CSV, or a list or map from YAML. */
 #include <base/list.h>
 
 #include <base/file.h>

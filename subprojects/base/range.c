@@ -49,7 +49,7 @@ gboolean opc_quantity_read(const opc_node *node, const char *given,
          opc_wrong(problems, node, "'%s' is too large: '%s'", name, text);
 }
 
-/* A number and the text after it. */
+/* A number and its unit. */
 typedef struct quantity {
   double number; /* in the unit of `from` */
   const char *unit;
@@ -102,8 +102,8 @@ static guint range_count(const opc_node *range, const quantity *from,
   double short_of = steps - (count - 1);
   if (count >= 1 && count <= most_values && short_of <= steps * 1e-12 + 1e-9)
     return (guint)count;
-  /* The last value before the end, for the message: `to` may be wrong as well
-     as `step`. */
+  /* Show the last value before the end in the message, because the mistake may
+     be in `to` or in `step`. */
   double end = from->number + (count - 1) * step->number;
   g_autofree char *last =
       count > 1 && isfinite(end)

@@ -9,8 +9,8 @@ struct opc_unit {
   const char *name;
   const char *noun;
   int exponent;  /* value of the unit: factor * 10^exponent of the base unit */
-  double factor; /* 0: the unit is a power of ten of the base unit */
-  double offset; /* value of zero in the base unit */
+  double factor; /* 0 if the unit is a power of ten of the base unit */
+  double offset; /* zero of this unit, in the base unit */
 };
 
 static const char length[] = "a length", area[] = "an area",

@@ -66,7 +66,7 @@ static const opc_parameter parameters[] = {
 };
 
 static const opc_metric metrics[] = {
-    {"slower", "%", OPC_LOWER, 0.01, "increase of the largest delay"},
+    {"slower", "%", OPC_LOWER, 0.01, "largest relative increase of a delay"},
 };
 
 /* ---- entry ---- */

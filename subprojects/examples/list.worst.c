@@ -30,8 +30,8 @@ static int entry_compare(const void *a, const void *b) {
   const entry *p = a, *q = b;
   double x = fabs(p->deviation), y = fabs(q->deviation);
   if (x != y) return x > y ? -1 : 1;
-  return p->gate < q->gate ? -1 : 1; /* order of ties, for reproducible
-                                        tables */
+  return p->gate < q->gate ? -1 : 1; /* a fixed order of equal deviations, for
+                                        reproducible tables */
 }
 
 static int worst_publish(const list *s, const entry *e, size_t n,

@@ -16,7 +16,7 @@ fail() {
 "$opcflow" metrics --json "$folder" | grep -q '"slower"' ||
   fail "no metric of list.delays"
 grep -q '"synthesizer.bisect"' "$folder/manifest.json" ||
-  fail "synthesizer.bisect had no part in it"
+  fail "the manifest does not name synthesizer.bisect"
 
 # The largest deviation must be below 1 %.
 worst=$(sed -n '2s/.*,//p' "$folder/worst.csv" | tr -d '\r-')

@@ -8,7 +8,7 @@
 
 typedef struct timing {
   /* Return the time, in s, in which a transistor with the on current `ion` (A)
-     charges an equal gate of area `area` (nm^2); decreasing with the current.
-     [any] */
+     charges the gate of an equal transistor, of area `area` (nm^2). The time
+     decreases with the current. [any] */
   double (*delay)(const void *self, double ion, double area);
 } timing;

@@ -22,7 +22,7 @@
 
 enum { STACK = 32768, MOST_RUNS = 10000 };
 
-static pid_t guarded; /* guarded process; 0: none */
+static pid_t guarded; /* guarded process; 0 if none */
 static int forked;    /* 1: this process is a fork of the guarded one */
 
 /* ---- the message and the folder ---- */
@@ -88,7 +88,7 @@ static int keep_folder(void) {
   return 1;
 }
 
-/* Remove the hidden folder of the run. */
+/* Remove the hidden folder in which the run was written, and its lock. */
 static void remove_slot(void) {
   int here = process_folder();
   if (!*slot) return;
@@ -96,7 +96,8 @@ static void remove_slot(void) {
   unlinkat(here, slot, AT_REMOVEDIR);
 }
 
-/* The message. A single call writes it, because other processes write, too. */
+/* The message of the guard, written by a single call, because other processes
+   write to the same stream. */
 static char message[4 * PATH_MAX];
 
 static void add_text(const char *text) {
@@ -148,8 +149,8 @@ _Noreturn static void plugin_blame(const char *id, const char *what,
 
 /* ---- present plugins ---- */
 
-/* Distinct plugins called since the first thread left the last plugin. Any of
-   them may have damaged the memory in which another plugin crashes. */
+/* Distinct plugins called since the command last called a plugin in the first
+   thread. Any of them may have damaged the memory of a plugin that crashes. */
 enum { MOST_CALLED = 32 };
 static const char *called[MOST_CALLED];
 static int n_called;
@@ -164,8 +165,9 @@ static void called_add(const char *id) {
 
 /* State of a thread; other threads read the state. */
 typedef struct worker {
-  const char *inside;  /* plugin that runs in the thread; NULL: the command */
-  const char *suspect; /* plugin that ran since the last check; NULL: none */
+  const char *inside;  /* plugin that runs in the thread; NULL for the
+                          command */
+  const char *suspect; /* plugin that ran since the last check; NULL if none */
   int waits;           /* 1: waits for tasks of other threads */
   struct worker *next;
 } worker;
@@ -192,8 +194,8 @@ static int add_name(char *list, size_t capacity, int n, const char *id) {
   return n + 1;
 }
 
-/* Add the plugins that run in other threads, except in threads that wait.
-   `suspects`: also add the plugins that ran since the last check. */
+/* Add the plugins that run in other threads, except in threads that wait. If
+   `suspects` is 1, also add the plugins that ran since the last check. */
 static int add_others(char *list, size_t capacity, int n, int suspects) {
   for (worker *w = workers; w; w = w->next) {
     if (w == &me) continue;
@@ -292,17 +294,19 @@ static void guard_check_thread(void) {
 
 /* ---- processes of plugins ---- */
 
-static int had_child;    /* children existed at the start (exec by a shell) */
-static char parent[256]; /* plugin after whose call a child existed; "": none */
+static int had_child;    /* children existed at the start, because a shell
+                            executed this program */
+static char parent[256]; /* plugin after whose call a child existed, or "" */
 
-/* Return whether this process has children. *info has the number of an ended
-   one, or 0. `remove`: WNOWAIT keeps an ended child. */
-static int has_child(siginfo_t *info, int remove) {
+/* Return whether this process has children. info->si_pid receives the id of an
+   ended child, or 0. The ended child is removed, unless `keep` is WNOWAIT. */
+static int has_child(siginfo_t *info, int keep) {
   *info = (siginfo_t){0};
-  return !waitid(P_ALL, 0, info, WEXITED | WNOHANG | remove);
+  return !waitid(P_ALL, 0, info, WEXITED | WNOHANG | keep);
 }
 
-/* Programs that a plugin uses during a call have ended when the call returns.
+/* Record the plugin after whose call a child exists. Programs that a plugin
+   uses only during a call have ended when the call returns.
  */
 static void parent_note(const char *id) {
   siginfo_t info;
@@ -330,7 +334,7 @@ static void listener_wake(void) {
   listener->alive();
 }
 
-/* Report a change of the process by the plugin `id` or in another thread. */
+/* Report a change of the process by the plugin `id` or by another thread. */
 static void guard_check_process(const char *id) {
   const char *detail;
   if (process_signals_change()) plugin_blame(id, "changed the signal mask", "");
@@ -441,7 +445,8 @@ void guard_done(int code) {
 
 int guard_code(int code) { return done < 0 ? code : done; }
 
-/* Return whether another process sent the signal: not a plugin's fault. */
+/* Return whether another process sent the signal, so that no plugin is at
+   fault. */
 static int is_foreign(const siginfo_t *info) {
   int sent = info->si_code == SI_USER || info->si_code == SI_QUEUE ||
              info->si_code == SI_TKILL;
@@ -463,7 +468,7 @@ static int is_memory_fault(int number) {
 }
 
 static void guard_crash(int number, siginfo_t *info, void *unused) {
-  char list[1024] = ""; /* of this thread: several may crash at once */
+  char list[1024] = ""; /* local, because several threads may crash at once */
   (void)unused;
   const process_signal *s = process_signals;
   while (s->number != number) s++;

@@ -151,7 +151,8 @@ static void leave_orphan(void) {
   waitpid(child, &status, 0);
 }
 
-/* A process that has ended, and one that ended during the call. */
+/* Use a process that has ended but was not waited for, and one that ends during
+   the call. */
 static void use_child(void) {
   siginfo_t ended;
   if (!fork()) _exit(0);
@@ -164,7 +165,8 @@ static void *run_command(void *unused) {
   return unused;
 }
 
-/* system() ignores SIGINT meanwhile. */
+/* While a thread is in system(), SIGINT is ignored; this is not a change of the
+   handler by a plugin. */
 static void run_command_beside(void) {
   pthread_t thread;
   g_assert_cmpint(pthread_create(&thread, NULL, run_command, NULL), ==, 0);
@@ -240,7 +242,7 @@ static const struct {
     {exceed_limit, 4, "outer: stopped in plugin 'bad'\n"},
     {keep_limits, 7, ""},
     {drop_stack, 4, "here: plugin 'bad' changed the alternate signal stack\n"},
-#ifndef __SANITIZE_ADDRESS__ /* has a stack of its own */
+#ifndef __SANITIZE_ADDRESS__ /* the sanitizer has its own signal stack */
     {overflow_by_thread, 4,
      "here: crashed in plugin 'bad': segmentation fault\n"},
 #endif
@@ -337,7 +339,7 @@ static void test_memory(void) {
   double before = memory_free(&source);
   g_assert_cmpfloat(before, >, 0);
 #ifdef __SANITIZE_ADDRESS__
-  before = 0; /* its address space exceeds any limit */
+  before = 0; /* the address space of a sanitized process exceeds the limit */
 #endif
   if (before < 4e9) {
     g_test_skip("less memory than the limit");

@@ -9,8 +9,8 @@
 int mpi_start(int (*stopped)(void), int *rank, int *size);
 void mpi_end(void);
 
-/* Make all present and later calls return without waiting for other ranks.
-   Returns OPC_CANCELLED. */
+/* Make all later calls return at once, without waiting for other ranks. Returns
+   OPC_CANCELLED. */
 int mpi_stop(opc_error *error);
 
 /* Implement ranks_group.least and ranks_group.spread. */

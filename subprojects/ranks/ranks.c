@@ -47,7 +47,8 @@ static int ranks_agree(const char *what, int code, opc_error *error) {
 /* ---- distribution ---- */
 
 /* holders[i] is the rank that has the result of unit i, equal in all ranks;
-   NOBODY: none. holders[count] is the lowest unit with a fault, or NOBODY. */
+   NOBODY if no rank has the result. holders[count] is the lowest unit with a
+   fault, or NOBODY. */
 enum { NOBODY = G_MAXINT32 };
 
 typedef struct sharing {

@@ -107,7 +107,7 @@ static char *facts_difference(GVariant *before, GVariant *now,
   return g_string_free(c.out, FALSE);
 }
 
-/* ---- the latest ones ---- */
+/* ---- the latest lists ---- */
 
 enum { MOST_EARLIER = 32 };
 #define EARLIER_TYPE G_VARIANT_TYPE("aa(ysss)")

@@ -82,8 +82,8 @@ static gboolean cannot_lock(int why) {
   return why == ENOLCK || why == EOPNOTSUPP || why == ENOSYS;
 }
 
-/* Create a slot unless present, and lock the slot. Return FALSE and errno,
-   EWOULDBLOCK for a slot in use. */
+/* Create a slot unless the slot exists, and lock the slot. On failure, return
+   FALSE and set errno: EWOULDBLOCK if another process uses the slot. */
 static gboolean lock_slot(opc_folder *f) {
   for (int i = 0; i < MOST_TRIES; i++) {
     gboolean made = !g_mkdir(f->slot, 0777);
@@ -129,7 +129,8 @@ void opc_folder_free(opc_folder *f) {
   free_names(f);
 }
 
-/* Clear all unused slots with the target, except the slot of this process. */
+/* Remove all slots of the target that no process uses, except the slot of this
+   process. */
 static void clear_others(const opc_folder *own, const char *parent,
                          const char *start, const char *target) {
   GDir *dir = g_dir_open(parent, 0, NULL);

@@ -156,7 +156,7 @@ static void test_plain_renames(void) {
   plain_renames = FALSE;
 }
 
-/* Names are numbered if taken, with both ways of renaming. */
+/* A run whose name is taken gets a number, with and without renameat2(). */
 static void test_numbers(void) {
   for (int plain = 0; plain < 2; plain++) {
     plain_renames = plain;

@@ -13,7 +13,8 @@ struct opc_store {
   GHashTable *sums;   /* path -> opc_sum */
   gboolean sums_read; /* stored checksums were loaded */
   gboolean sums_new;  /* checksums were added since the last write */
-  int claims;         /* file with the locks of claims; -1: not yet opened */
+  int claims;         /* descriptor of the file whose locks are the claims; -1
+                         if not open */
 };
 
 void opc_sums_init(opc_store *store);

@@ -53,9 +53,9 @@ static guint64 find_limit(const char *folder) {
 }
 
 /* Return whether the store may write to a folder and remove files from the
-   folder: the folder has the marker, or is empty and receives the marker. With
-   `any`, the folder receives the marker in any case (cache folder of the
-   user). */
+   folder: the folder has the marker, or is empty and receives the marker. If
+   `any` is TRUE, a folder with other files also receives the marker (for the
+   cache folder of the user). */
 static gboolean folder_claim(const char *folder, gboolean any) {
   g_autofree char *marker = g_build_filename(folder, "opcflow-store", NULL);
   GDir *dir = g_dir_open(folder, 0, NULL);

@@ -227,7 +227,7 @@ static void change_mapped(opc_store *store, const char *path, char *bytes) {
 }
 
 /* A write to a page that is already marked as changed does not set the times of
-   a file; on tmpfs, no write of a mapping does. */
+   a file; on tmpfs, no write through a mapping sets the times. */
 static void test_mapped(void) {
   const char *const folders[] = {folder, "/dev/shm"};
   enum { FOLDERS = G_N_ELEMENTS(folders), SIZE = 4096 };
@@ -303,7 +303,7 @@ static void test_claims(void) {
   g_assert_false(opc_store_claim(store, key));
   g_assert_cmpint(kill(child, SIGKILL), ==, 0);
   g_assert_cmpint(waitpid(child, NULL, 0), ==, child);
-  g_assert_true(opc_store_claim(store, key)); /* the last process that joined */
+  g_assert_true(opc_store_claim(store, key)); /* only this process has joined */
   g_assert_false(other_claims(key));
   opc_store_close(store);
   g_assert_true(other_claims(key));

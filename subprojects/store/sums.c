@@ -28,7 +28,7 @@ static const char kept_under[] = "00sums-flushed";
 typedef struct opc_sum {
   guint64 device, inode;
   gint64 size, modified, changed; /* bytes, ns, ns */
-  gboolean settled;               /* later changes are detectable */
+  gboolean settled;               /* a later change is visible in the times */
   char *sum;
 } opc_sum;
 
@@ -96,8 +96,8 @@ static gint64 boot_time(void) {
 }
 
 /* Return whether the file system sets the times of a file when a process writes
-   to a clean page of a shared mapping. Others do not (tmpfs, hugetlbfs), are
-   unknown, or may consist of others (overlayfs). */
+   to a clean page of a shared mapping. Other file systems do not (tmpfs,
+   hugetlbfs), are unknown, or consist of several file systems (overlayfs). */
 static gboolean has_times_of_mappings(int file) {
   static const unsigned long known[] = {EXT4_SUPER_MAGIC, XFS_SUPER_MAGIC,
                                         BTRFS_SUPER_MAGIC, F2FS_SUPER_MAGIC,
@@ -110,8 +110,8 @@ static gboolean has_times_of_mappings(int file) {
 }
 
 /* Get the attributes of a file after its changed pages were written to the
-   disk. A later change by a shared mapping then sets the times, which a change
-   of a page that is already marked as changed does not. *timed receives whether
+   disk. A later write through a shared mapping then sets the times; a write to
+   a page that is already marked as changed would not. *timed receives whether
    the times indicate each change. Return FALSE if the file cannot be opened. */
 static gboolean read_attributes(const char *path, struct stat *about,
                                 gboolean *timed) {
@@ -123,7 +123,8 @@ static gboolean read_attributes(const char *path, struct stat *about,
   if (file < 0) return FALSE;
   gboolean flushed = !sync_file_range(file, 0, 0, FLUSH);
   gboolean good = !fstat(file, about);
-  /* No process has kept a mapping since before the start of the system. */
+  /* Mappings end with the system: a file that did not change since the start
+     has no mapping with older writes. */
   *timed = good && (nanoseconds(&about->st_ctim) < boot_time() - step ||
                     (flushed && has_times_of_mappings(file)));
   close(file);
@@ -176,7 +177,8 @@ gboolean opc_store_same(opc_store *store, const char *path, const char *sum) {
   gboolean timed;
   opc_error none;
   const opc_sum *s = g_hash_table_lookup(store->sums, path);
-  /* A file may have changed, been read, and changed back. */
+  /* An equal checksum does not suffice: the file may have changed, been read,
+     and changed back. */
   if (s && (!read_attributes(path, &about, &timed) || !is_of(s, &about)))
     return FALSE;
   g_autofree char *now = opc_store_sum(store, path, NULL, &none);

@@ -37,8 +37,8 @@ void cli_print(const char *format, ...) OPC_PRINTF(1, 2);
 /* Print a text unchanged. */
 void cli_write(const char *text);
 
-/* Return COLUMNS or the width of the terminal, characters; SIZE_MAX:
-   unlimited. */
+/* Return COLUMNS or the width of the terminal, characters; SIZE_MAX if the
+   width is unlimited. */
 size_t cli_width(void);
 
 /* Flush standard output before a message is written. */
@@ -55,7 +55,7 @@ gboolean cli_is_written(void);
 typedef struct cli_option {
   const char *name; /* without dashes; NULL ends a table of options */
   const char *help;
-  const char *argument; /* name of the argument in the help; NULL: a flag */
+  const char *argument; /* name of the argument in the help; NULL for a flag */
   gboolean *flag;
   const char **text;
   GPtrArray **list;

@@ -6,7 +6,8 @@
 
 /* A finding. */
 typedef struct opc_finding {
-  size_t point; /* point of a sweep, from 1; 0: all points */
+  size_t point; /* point of a sweep, from 1; 0 for a step that is not part of a
+                   point */
   char *path;   /* path of the instance: "step.slot" */
   char *text;
 } opc_finding;

@@ -27,9 +27,9 @@ void opc_lay_at(opc_node *steps, const char *path, const opc_place *key,
 void opc_lay_demands(opc_node *demands, const char *path, const opc_place *key,
                      const opc_node *value, opc_problems *problems);
 
-/* Return a copy of a map with nested maps in place of keys with dots; `deep`:
-   also inside nested maps. Adds a problem for a value that is set in both
-   forms. */
+/* Return a copy of a map with nested maps in place of keys with dots; if `deep`
+   is TRUE, also inside nested maps. Adds a problem for a value that is set in
+   both forms. */
 opc_node *opc_undot(const opc_node *map, gboolean deep, opc_problems *problems);
 
 /* Parse "path=value" on a command line: return the value, and the path in *path

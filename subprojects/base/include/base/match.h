@@ -4,7 +4,8 @@
 
 #include <base/node.h>
 
-/* Values of a key in one layer. No text occurs twice. */
+/* Values of a key in one layer (layers.h). The functions below add no text
+   twice. */
 typedef struct opc_values {
   GPtrArray *nodes; /* opc_node * */
   GPtrArray *stars; /* char *, part of each text that matched the star, or "" */
@@ -13,8 +14,9 @@ typedef struct opc_values {
 void opc_values_init(opc_values *v);
 void opc_values_clear(opc_values *v);
 
-/* Remove the texts that match a pattern (fnmatch); other values stay. `files`:
-   match names without folders. */
+/* Remove the texts that match a pattern (fnmatch); other values stay. If
+   `files` is TRUE, texts are paths, and their names without folders are
+   compared. */
 void opc_values_remove(opc_values *v, const char *pattern, gboolean files);
 
 /* Add the values that match the pattern of a node. opc_match_files: the

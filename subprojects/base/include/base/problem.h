@@ -6,8 +6,8 @@
 #include <glib.h>
 #include <opcflow/base.h>
 
-/* A place in a file; lines, and columns in characters, count from 1. Line 0:
-   `file` has no lines ("--set first.width"). `file` may be NULL. */
+/* A place in a file; lines, and columns in characters, count from 1. If `line`
+   is 0, `file` has no lines ("--set first.width"). `file` may be NULL. */
 typedef struct opc_place {
   const char *file;
   unsigned line, column;
@@ -27,10 +27,11 @@ opc_problems *opc_problems_new(void);
 void opc_problems_free(opc_problems *problems);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_problems, opc_problems_free)
 
-/* Add a copy of a problem and return FALSE. `place` NULL: no file. Unprintable
-   characters are written as escapes, and messages of more than 1000 bytes are
-   truncated. Only the first 999 problems are kept; the next one is replaced by
-   "further problems are not listed", and later ones are dropped. */
+/* Add a copy of a problem and return FALSE. If `place` is NULL, the problem has
+   no file. Unprintable characters are written as escapes, and messages of more
+   than 1000 bytes are truncated. Only the first 999 problems are kept; the next
+   one is replaced by "further problems are not listed", and later ones are
+   dropped. */
 gboolean opc_problem_add(opc_problems *problems, int code,
                          const opc_place *place, const char *format, ...)
     OPC_PRINTF(4, 5);

@@ -7,10 +7,11 @@
 enum { OPC_RANGE_MOST = 100000 }; /* largest number of values in a range */
 
 /* Convert the text of a node, a number with a unit, to a number in the unit
-   `to`. `to` NULL: the text has no unit. If `given` is not NULL, the text has
-   no unit and is a number in the unit `given`. A 0 needs no unit, except for
-   temperatures. `name` is the name of the value in problems. Return FALSE and a
-   problem on failure, also if the number is not finite. */
+   `to`. If `to` is NULL, the text must be a number without a unit. If `given`
+   is not NULL, the text must also have no unit and is a number in the unit
+   `given`. A 0 needs no unit, except for temperatures. `name` is the name of
+   the value in problems. Return FALSE and a problem on failure, also if the
+   number is not finite. */
 gboolean opc_quantity_read(const opc_node *node, const char *given,
                            const char *to, const char *name, double *number,
                            opc_problems *problems);

@@ -6,7 +6,8 @@
 
 typedef struct opc_sheet {
   size_t n;             /* columns */
-  gboolean *left;       /* [n], TRUE: left-aligned text, FALSE: numbers */
+  gboolean *left;       /* [n], TRUE for left-aligned texts, FALSE for
+                           numbers */
   GPtrArray *cells;     /* char *, row by row; the first row is the head */
   size_t rows, *widths; /* set by the functions below */
 } opc_sheet;
@@ -21,8 +22,8 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_sheet, opc_sheet_free)
    with equal cells in all of two or more rows are printed only once, below the
    table. If the remaining columns are too wide, a table with fewer rows than
    columns is transposed, if that fits. Other tables are split into blocks of
-   columns, each with the columns that identify a row. Width 0: one line a row.
-   Line breaks and tabs become blanks. */
+   columns, each with the columns that identify a row. If `width` is 0, each row
+   is one line. Line breaks and tabs become blanks. */
 char *opc_sheet_text(opc_sheet *sheet, size_t width);
 
 /* Return a table in Markdown (g_free); line breaks in cells become blanks. */

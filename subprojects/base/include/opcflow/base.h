@@ -30,8 +30,8 @@ OPC_C_BEGIN
 #define OPC_UNUSED
 #endif
 
-/* Padding at the end of each struct to which later versions may add fields
-   without breaking older binaries. */
+/* Marks the end of each struct to which later versions may add fields without
+   breaking older binaries. Empty unless a test defines the mark as a field. */
 #ifndef OPC_MAY_GROW
 #define OPC_MAY_GROW
 #endif

@@ -6,9 +6,9 @@
 #pragma once
 
 /* Set the running plugin of this thread around each call: `before =
-   guard_enter(id); ...; guard_leave(before)`. `id` outlives the call; NULL: the
-   command. Both functions check whether the previous plugin changed the
-   process, at most every 5 ms for one plugin. [any] */
+   guard_enter(id); ...; guard_leave(before)`. `id` outlives the call, and is
+   NULL for functions of the command. Both functions check whether the previous
+   plugin changed the process, at most every 5 ms for one plugin. [any] */
 const char *guard_enter(const char *id);
 void guard_leave(const char *before);
 
@@ -26,7 +26,7 @@ void guard_wait(int waits);
 /* Set the running plugin of a thread that the plugin `id` has started. */
 void guard_adopt(const char *id);
 
-/* Return the running plugin of this thread; NULL: the command. */
+/* Return the running plugin of this thread; NULL for the command. */
 const char *guard_inside(void);
 
 /* Install handlers for the signals of a crash (process_signals). Call once. A
@@ -55,14 +55,15 @@ typedef struct guard_listener {
 void guard_listen(const guard_listener *to);
 
 /* Set WHERE in messages, "WHERE: crashed in plugin 'ID': segmentation fault",
-   and the exit code of a crash. The text is copied; NULL: "error" and
-   GUARD_CRASH_RUNNING. [main] */
+   and the exit code of a crash. The text is copied. If `where` is NULL, the
+   message begins with "error" and the exit code is GUARD_CRASH_RUNNING.
+   [main] */
 void guard_where(const char *where, int code);
 
 /* Set `work`, the folder of the present run. After a crash, the folder is
    removed if empty, else renamed to `failed` or FAILED-2, -3 ... The file
-   `lock` is then removed with its folder, if empty. The texts are copied; NULL:
-   none. [main] */
+   `lock` is then removed with its folder, if empty. The texts are copied. All
+   three are NULL if no run is present. [main] */
 void guard_folder(const char *work, const char *failed, const char *lock);
 
 /* End the command with the message "WHERE: stopped in plugin 'ID'", and keep

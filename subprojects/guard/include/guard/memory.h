@@ -2,8 +2,9 @@
 /* Memory available to this process. */
 #pragma once
 
-/* Return the available memory in bytes: the least of three limits, and the
-   freed memory that malloc keeps. The limits are memory and swap of the
-   machine, control groups (version 2), and address space; INFINITY if all are
-   unknown. *source receives the name of the least limit (static text). */
+/* Return the available memory in bytes: the least of three limits, plus the
+   freed memory that malloc keeps. The limits are the free memory and swap space
+   of the machine, the control groups (version 2), and the address space;
+   INFINITY if all three are unknown. *source receives the name of the least
+   limit (static text). */
 double memory_free(const char **source);

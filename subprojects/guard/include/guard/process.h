@@ -8,8 +8,8 @@
 #include <stddef.h>
 
 /* A signal whose handler plugins must not change. `means` is the message of a
-   crash by this signal; NULL: the signal is no crash. The list ends with the
-   number 0. */
+   crash by this signal; NULL if the signal is not a crash. The list ends with
+   the number 0. */
 typedef struct process_signal {
   int number;
   const char *name, *means;
@@ -21,19 +21,20 @@ extern const process_signal process_signals[];
 void process_settle(void);
 
 /* Return a change of this thread's state, except the signal mask, as a
-   predicate: "changed the locale"; NULL: none. Makes no system call. [any] */
+   predicate: "changed the locale"; NULL if nothing has changed. Makes no system
+   call. [any] */
 const char *process_thread_change(void);
 
 /* Return whether this thread's signal mask differs from the recorded one.
    [any] */
 int process_signals_change(void);
 
-/* Return the first change of the process as a predicate; NULL: no change.
- *detail receives the end of the sentence, or "". [any] */
+/* Return the first change of the process as a predicate; NULL if nothing has
+   changed. *detail receives the end of the sentence, or "". [any] */
 const char *process_change(const char **detail);
 
 /* Record that this thread calls (1) or has called (-1) system(), which ignores
-   SIGINT during the call: no change of a handler. [any] */
+   SIGINT during the call. The check of handlers accepts this change. [any] */
 void process_ignores_interrupt(int more);
 
 /* Return a file descriptor of the recorded working folder, for renameat(). */

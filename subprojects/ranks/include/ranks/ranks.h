@@ -30,7 +30,8 @@ typedef struct ranks_units {
   int (*take)(void *data, size_t i, const void *bytes, size_t size,
               opc_error *error);
 
-  /* Receive the number of finished units: of all ranks, or of this process. */
+  /* Receive the number of finished units: of all ranks in ranks_group.share,
+     otherwise those that this process has computed or received. */
   void (*done)(void *data, size_t n);
 
   /* Claim unit i for this process until `release`. Return 0 if another process
@@ -71,9 +72,9 @@ typedef struct ranks_group {
    receive the rank and the number of processes. Does not start MPI. */
 gboolean ranks_launched(int *rank, int *size);
 
-/* Load the shared object at `path` (NULL: built without MPI) and join the
-   group. Call once. `stopped` returns whether a stop is requested. NULL and
-   OPC_NO_PLUGIN on failure. */
+/* Load the shared object at `path` (NULL if opcflow is built without MPI) and
+   join the group. Call once. `stopped` returns whether a stop is requested.
+   NULL and OPC_NO_PLUGIN on failure. */
 const ranks_group *ranks_load(const char *path, int (*stopped)(void),
                               opc_error *error);
 

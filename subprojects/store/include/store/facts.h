@@ -5,8 +5,9 @@
 
 #include <store/store.h>
 
-/* A list of facts. Each fact has a subject (y), a path, a value for the user,
-   and a checksum if the value does not identify the fact. */
+/* A list of facts. Each fact has a subject (a letter that the caller defines),
+   a path, a value for the user, and a checksum if the value does not identify
+   the fact. */
 #define OPC_FACTS_TYPE G_VARIANT_TYPE("a(ysss)")
 
 /* Add a fact to a list under construction. */
@@ -26,9 +27,9 @@ typedef char *opc_fact_text(const void *data, char about, const char *path,
 
 /* Return the reason why no result exists for `now` (g_free): the differences
    from the most similar list kept under `name`. At most three changed or new
-   facts and three missing facts are described; the others are counted. "not
-   seen before": no list is kept; "the stored result was removed": an equal list
-   is kept. */
+   facts and three missing facts are described; the others are counted. The
+   reason is "not seen before" if no list is kept, and "the stored result was
+   removed" if an equal list is kept. */
 char *opc_facts_reason(opc_store *store, const char *name, GVariant *now,
                        opc_fact_text *text, const void *data);
 

@@ -6,11 +6,13 @@
 
 /* Origin of the result of a step. */
 typedef struct opc_history {
-  size_t point; /* point of a sweep, from 1; 0: all points */
-  char *path;   /* path of the step; "a.step": in the inner flow of step 'a' */
+  size_t point; /* point of a sweep, from 1; 0 for a step that is not part of a
+                   point */
+  char *path;   /* path of the step; "a.step" is `step` in the inner flow of
+                   step `a` */
   gboolean reused;
-  char *key;      /* NULL: the result is not kept */
-  char *reason;   /* reason why the step ran; NULL: the result was reused */
+  char *key;      /* NULL if the result is not stored */
+  char *reason;   /* reason why the step ran; NULL if the result was reused */
   double seconds; /* time for which the step ran to compute the result */
 } opc_history;
 
@@ -29,6 +31,6 @@ void opc_histories_add(opc_histories *histories, const opc_history *history);
 /* Insert the histories of another run before the present ones. */
 void opc_histories_take(opc_histories *histories, const opc_histories *from);
 
-/* Mark a reused step as executed. */
+/* Change the latest history of a reused step, because the step ran again. */
 void opc_histories_rerun(opc_histories *histories, const char *path,
                          const char *reason, double seconds);
