@@ -51,7 +51,7 @@ typedef struct outlines {
 } outlines;
 
 /* Part of the layout to write: windows in nm, and an index of the windows in
-   grid units; NULL: the entire layout. */
+   grid units. `index` is NULL for the entire layout. */
 typedef struct part {
   eda_frame *window;
   size_t count;
@@ -95,8 +95,9 @@ static eda_frame frame_of(const eda_gates *g, eda_box b, double more) {
                      (b.y1 - b.y0) * g->grid + 2 * more};
 }
 
-/* Return windows around the n worst transistors; failed ones come first.
-   `worst` receives their numbers, unless it is NULL. */
+/* Return windows around the n transistors with the largest deviation,
+   transistors that do not print first. `worst` receives the indices of the
+   transistors, unless NULL. */
 static part worst_part(const eda_mask *m, size_t n, size_t *worst) {
   const eda_gates *g = m->gates;
   ranked *all = eda_alloc(g->count, sizeof *all);

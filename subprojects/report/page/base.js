@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Elements, numbers, statistics, colours, and reading what is packed. Texts of
-   the data become text nodes, never markup. */
+/* Functions for document elements, numbers, statistics, tables, packed arrays and colours. Texts
+   of the data are inserted as text nodes, never as markup. */
 
 /* ---- elements ---- */
 
@@ -12,7 +12,7 @@ function make(node, attributes, children) {
   node.append(...some(children));
   return node;
 }
-/* Of nested lists, what is there. */
+/* Return a nested list as a flat list, without null, undefined and false. */
 const some = list => list.flat(Infinity).filter(c => c !== null && c !== undefined && c !== false);
 const el = (tag, attributes, ...children) =>
   make(document.createElement(tag), attributes, children);
@@ -24,7 +24,8 @@ const svg = (tag, attributes, ...children) =>
 const is = Number.isFinite;
 const minus = text => text.replace(/^-/, '\u2212');
 
-/* Four significant digits, thousands apart. */
+/* Return a number as text: an integer with thousands separators, another number with four
+   significant digits, a dash if the number is not finite. */
 function number(x) {
   if (!is(x)) return '\u2013';
   const size = Math.abs(x);
@@ -35,10 +36,10 @@ function number(x) {
 }
 const quantity = (x, unit) => number(x) + (is(x) && unit ? '\u202f' + unit : '');
 
-/* The same number of decimals for all of a kind. */
+/* Return a number with a fixed number of decimals; a dash if the number is not finite. */
 const fixed = (x, decimals) => (is(x) ? minus(x.toFixed(decimals)) : '\u2013');
 
-/* The least of 1, 2, 5 times a power of ten that is not below x. */
+/* Return the least number of the form 1, 2 or 5 times a power of ten that is at least x. */
 function round_up(x) {
   if (!(x > 0)) return 1;
   const power = 10 ** Math.floor(Math.log10(x));
@@ -55,11 +56,12 @@ function ticks(low, high, wanted) {
 /* ---- statistics ---- */
 
 const finite = values => values.filter(is);
-/* Values with the number `n` of each; mapped keeps the numbers. */
+/* A weighted list is an array of values with the array `n` of their weights, the numbers of
+   transistors. mapped() applies a function to the values and keeps the weights. */
 const weighted = () => Object.assign([], {n: []});
 const mapped = (values, f) => Object.assign(values.map(f), {n: values.n});
 const total = values => (values.n ? values.n.reduce((a, b) => a + b, 0) : values.length);
-const mean = values => values.reduce((a, v, i) => a + v * (values.n ? values.n[i] : 1), 0) / total(values); /* NaN of none */
+const mean = values => values.reduce((a, v, i) => a + v * (values.n ? values.n[i] : 1), 0) / total(values); /* NaN without values */
 const stdv = values => {
   const m = mean(values);
   return Math.sqrt(mean(mapped(values, v => (v - m) ** 2)));
@@ -70,19 +72,19 @@ function quantile(values, q) {
   return sorted.length ? sorted[Math.min(sorted.length - 1, Math.floor(q * sorted.length))] : NaN;
 }
 
-/* A round range that holds all but one in fifty of the values. */
+/* Return a round number that is at least the size of 98 % of the values. */
 const range_of = values => round_up(quantile(values.map(Math.abs), 0.98) || 0);
 
 /* ---- tables ---- */
 
-/* The values of a column of a run's table; null where there is none. */
+/* Return the values of a column of a run's table; null if the run has no such table or column. */
 function column(run, table, name) {
   const t = run.tables[table], c = t && t.columns.find(c => c.name === name);
   return c ? c.values : null;
 }
 const deviations = (run, name) => column(run, 'gates', name) || [];
 
-/* ---- packed ---- */
+/* ---- packed arrays ---- */
 
 async function inflate(text) {
   const letters = atob(text), bytes = new Uint8Array(letters.length);
@@ -91,7 +93,7 @@ async function inflate(text) {
   return new Response(stream).arrayBuffer();
 }
 
-/* Integers, as specified in json.h. */
+/* Return the integers of a text that json_packed (report/json.h) has written. */
 async function unpack(text, stride) {
   const numbers = new Int32Array(await inflate(text));
   for (let i = stride; i < numbers.length; i++) numbers[i] += numbers[i - stride];
@@ -104,7 +106,7 @@ const style = name => getComputedStyle(document.documentElement).getPropertyValu
 let printing = false;
 const dark = () => !printing && style('--is-dark') === '1';
 
-/* Oklch to sRGB (Ottosson 2020). */
+/* Convert a colour from Oklch to sRGB, 0 to 255 per channel (Ottosson 2020). */
 function oklch(lightness, chroma, hue) {
   const a = chroma * Math.cos(hue), b = chroma * Math.sin(hue);
   const l = (lightness + 0.3963377774 * a + 0.2158037573 * b) ** 3;
@@ -119,9 +121,9 @@ function oklch(lightness, chroma, hue) {
     channel(-0.0041960863 * l - 0.7034186147 * m + 1.707614701 * s)];
 }
 
-/* From blue by the paper's colour to orange, lightness in even steps: 2 LEVELS + 1
-   colours, distinguished by lightness and by the axis of colour that all but the
-   rarest of the colour-blind see. */
+/* Return 2 LEVELS + 1 colours from blue over the colour of the paper to orange, with even steps
+   of lightness. Readers with the common forms of colour blindness can distinguish blue and
+   orange. */
 const LEVELS = 32;
 function diverging() {
   const from = dark() ? 0.30 : 0.97, to = dark() ? 0.80 : 0.47, out = [];

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Charts: an axis each way, bars, lines and points. They take their colours from
-   the style sheet, so that they follow the theme and the printer. */
+/* Charts with two axes: bars, lines and points. The style sheet defines the colours, so that
+   charts change with the theme and are printed in light colours. */
 
-const SERIES = 7; /* colours, dashes and markers; then they begin again */
+const SERIES = 7; /* number of colours, dash patterns and markers; series 7 has those of series 0 */
 const colour_of = k => 'var(--series-' + (k % SERIES) + ')';
 const DASHES = ['', '7 3', '2 2', '9 3 2 3', '12 4', '4 4', '1 3'];
 
-/* Outlines of the markers, of a size of about 2. */
+/* Outlines of the markers, each about 2 units wide. */
 const MARKERS = ['M1 0A1 1 0 1 1 -1 0A1 1 0 1 1 1 0Z', 'M-.9 -.9H.9V.9H-.9Z', 'M0 -1.2L1.1 .8H-1.1Z',
   'M0 -1.3L1.1 0L0 1.3L-1.1 0Z', 'M-1 -1L1 1M-1 1L1 -1', 'M0 -1.2V1.2M-1.2 0H1.2', 'M0 1.2L1.1 -.8H-1.1Z'];
 const marker = (k, x, y, size) => svg('path', {d: MARKERS[k % SERIES], class: 'marker',
@@ -14,7 +14,8 @@ const marker = (k, x, y, size) => svg('path', {d: MARKERS[k % SERIES], class: 'm
 
 /* ---- axes ---- */
 
-/* What puts a value at its place, and the values to mark. */
+/* Return { place, marks } of an axis: place(v) is the coordinate of the value v, in pixels
+   between `from` and `to`; `marks` are the values of the grid lines. */
 function scale(axis, from, to) {
   const f = axis.log ? Math.log10 : v => v;
   const low = f(axis.low), high = f(axis.high);
@@ -28,8 +29,10 @@ function scale(axis, from, to) {
   return {place, marks};
 }
 
-/* A chart: { title, about, x, y, width, height, draw }; an axis is { label, low,
-   high, log }, or { bare } for a margin of so much. `draw(plot)` gets the two scales and adds to plot.body. */
+/* Return the figure of a chart { title, about, x, y, width, height, draw }. An axis is
+   { label, low, high, log }. A y axis with `bare` has no marks and a margin of `bare` pixels.
+   draw(plot) appends shapes to plot.body, by the functions plot.x and plot.y from values to
+   pixels. */
 function chart(c) {
   const width = c.width || 360, height = c.height || 230;
   const left = c.y.bare || 52, right = 18, top = 8, bottom = 38;
@@ -53,7 +56,7 @@ function chart(c) {
     c.about ? el('p', {class: 'about'}, c.about) : null);
 }
 
-/* A key to the series: colour, dash and marker. */
+/* Return the legend of the series: colour, dash pattern and marker of each name. */
 function legend(names) {
   return el('ul', {class: 'legend'}, names.map((name, k) => el('li', null,
     svg('svg', {viewBox: '0 0 34 12', width: 34, height: 12, 'aria-hidden': 'true'},
@@ -73,8 +76,8 @@ function counts(values, range) {
 }
 
 /* Draw the histogram of values over -range .. range as bars, and that of `before`
-   as a line if half of its values are in the range. Values out of range count in
-   the last bars, and a note reports them. */
+   as a line if more than half of its values are in the range. Values outside of the
+   range are counted in the outer bars, and the text below the chart states their number. */
 function histogram(title, unit, k, values, before, range) {
   const in_range = before.filter(v => Math.abs(v) <= range).length;
   const bars = counts(values, range), line = 2 * in_range > before.length ? counts(before, range) : null;
@@ -97,7 +100,8 @@ function histogram(title, unit, k, values, before, range) {
     }});
 }
 
-/* Lines: each { name, points: [[x, y]] } with a marker at its points. */
+/* Return a chart of lines with a marker at each point. A series is { k, points: [[x, y]] },
+   where k is the number of the colour (default: the index of the series). */
 function lines(title, about, x, y, series) {
   const all = series.flatMap(s => s.points);
   const values = all.map(p => p[1]).filter(v => !y.log || v > 0);
@@ -115,8 +119,8 @@ function lines(title, about, x, y, series) {
     })});
 }
 
-/* Points, with the line of equal coordinates. Of more than MOST, the first ones of
-   a stride and all that are far out. */
+/* Return a chart of points with the line of equal coordinates. Of more than MOST points, every
+   second, third, ... point is drawn, and all points beyond 80 % of an axis. */
 const MOST = 4000;
 function scatter(title, about, x, y, k, points) {
   const every = Math.ceil(points.length / MOST);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pictures of a layout: shapes in nm, y upwards, on a canvas; and the viewer, up
-   to three of them that move together. */
+/* Pictures of a layout on a canvas. Coordinates of shapes are in nm, y points upwards. */
 
 /* ---- shapes ---- */
 
-/* The view of a run, unpacked once: boxes of transistors (nm, four each), shapes
-   with their bounds, the image. `row`: row of a transistor in gates.csv, which has
-   one for each class of transistors with equal masks; `order`: transistors by
-   their deviation, one for each row. */
+/* Return the scene of a run: the data of view.json, unpacked at the first call. A scene has the
+   boxes of the transistors (x0, y0, x1, y1 in nm), shapes with their bounds, and the image.
+   row(i) is the row of transistor i in gates.csv, which has one row for each class of
+   transistors with equal masks. order() lists one transistor of each row, the largest deviation
+   first. */
 function scene_of(run) {
   if (!run.scene) run.scene = unpack_view(run);
   return run.scene;
@@ -18,7 +18,7 @@ async function unpack_view(run) {
   const shapes = await Promise.all(view.shapes.map(async s => {
     const sizes = await unpack(s.sizes, 1), points = Float32Array.from(await unpack(s.points, 2), v => v * s.unit);
     let size = 0;
-    sizes.forEach((v, i) => { const n = v; sizes[i] = size; size += n; }); /* now: where each begins */
+    sizes.forEach((v, i) => { const n = v; sizes[i] = size; size += n; }); /* from numbers of points to the index of the first point */
     return {layer: s.layer, role: s.role, closed: !s.role.endsWith('print'), start: sizes, points, bounds: bounds(sizes, points)};
   }));
   const of = view.classes ? await unpack(view.classes, 1) : null, rows = values_of(run), value = {};
@@ -56,7 +56,9 @@ async function picture(image) {
   return {...image, bitmap: await createImageBitmap(pixels)};
 }
 
-/* What transistors are coloured by, in each state; NaN: does not print. */
+/* Return the values that determine the colours of the transistors in each state: the Ion
+   deviation before and after the correction, %, and the change of its size. NaN stands for a
+   transistor that does not print. */
 function values_of(run) {
   const list = name => Float64Array.from(deviations(run, name), v => v ?? NaN);
   const before = list('ion_before'), after = list('ion_after');
@@ -71,11 +73,13 @@ function violations_of(run) {
 
 /* ---- painting ---- */
 
-/* Pixels per nm from which on outlines are drawn: a gate of 65 nm is 2.6 pixels. */
+/* Least scale, pixels per nm, at which outlines are drawn: a gate of 65 nm is 2.6 pixels wide. */
 const OUTLINES = 0.04;
 
-/* What is painted: { scene, state, values, range, show, chosen }. A window is
-   { x, y, scale }: its centre in nm and pixels per nm. */
+/* Paint { scene, state, values, range, show, chosen } on a canvas. `state` is before, after or
+   change; `values` has a number for each transistor; `range` is the value of the last colour;
+   `show` has a flag for each part of the picture; `chosen` is the selected transistor or -1.
+   The window { x, y, scale } has the centre in nm and the pixels per nm. */
 function paint(canvas, what, window) {
   const ratio = globalThis.devicePixelRatio || 1;
   const w = canvas.clientWidth || canvas.width, h = canvas.clientHeight || canvas.height;
@@ -110,7 +114,8 @@ function paint_image(p, image) {
   p.pen.restore();
 }
 
-/* Layers from the last to the first, as poly lies on active, and contacts on top. */
+/* Paint the shapes of a role, from the last layer to the first, because poly (layer 0) is above
+   active (layer 1). Contacts are painted last. */
 function paint_shapes(p, what, role, as) {
   const is_contact = s => what.scene.layers[s.layer] === 'contact', height = s => (is_contact(s) ? -1 : s.layer);
   const all = what.scene.shapes.filter(s => s.role === role).sort((a, b) => height(b) - height(a));
@@ -139,9 +144,9 @@ function paint_shapes(p, what, role, as) {
 
 const all_corrected = (scene, layer) => scene.shapes.some(s => s.layer === layer && s.role === 'mask');
 
-/* The outlines of those shapes that are in the window and larger than half a
-   pixel, as one path. Without closePath, for which browsers go through all of the
-   path so far: 17 s for 16,000 contacts. */
+/* Add the outlines of the shapes that overlap the window and are larger than half a pixel to the
+   path. Do not use closePath: browsers search the whole path at each call, which takes 17 s for
+   16,000 contacts. */
 function trace(p, s) {
   const {start, points, bounds: b} = s, [x0, y0, x1, y1] = p.box, least = 0.5 / p.scale;
   for (let i = 0; i < start.length; i++) {
@@ -155,9 +160,10 @@ function trace(p, s) {
   }
 }
 
-/* By levels of colour, so that each is one path, the largest deviations last. A
-   box has 2.4 pixels at least, to be seen; where transistors are many and smaller
-   than a pixel, each pixel shows the worst of its own. */
+/* Paint the boxes of the transistors, one path for each colour, the largest deviations last. A
+   box is at least 2.4 pixels wide, so that it is visible. If a layout has more than MANY
+   transistors that are about a pixel wide, paint each pixel in the colour of the transistor with
+   the largest deviation in the pixel. */
 const MANY = 30000;
 function paint_gates(p, what) {
   const {boxes, count} = what.scene, colours = diverging(), [x0, y0, x1, y1] = p.box;
@@ -257,7 +263,7 @@ function scale_bar(p) {
 
 /* ---- transistors ---- */
 
-/* What is known of one, as pairs of a word and a text. */
+/* Return the figures of the transistor in row i of gates.csv, as pairs of a name and a text. */
 function facts_of(run, i) {
   const at = name => { const c = column(run, 'gates', name); return c ? c[i] : undefined; };
   const pair = (word, name, unit) => (at(name) === undefined ? [] : [[word, quantity(at(name), unit)]]);
@@ -271,7 +277,8 @@ function facts_of(run, i) {
 const facts_list = (run, i) => el('dl', {class: 'facts'},
   facts_of(run, i).map(([word, text]) => el('div', null, el('dt', null, word), el('dd', null, text))));
 
-/* Those with the largest deviation first; before them, those that do not print. */
+/* Return the indices of the values by decreasing size; values that are not finite (transistors
+   that do not print) come first. */
 function worst_first(values) {
   const size = v => (is(v) ? Math.abs(v) : Infinity);
   return Array.from(values.keys()).sort((a, b) => (size(values[b]) - size(values[a]) || 0) || a - b);

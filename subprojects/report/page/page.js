@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The sections of the page, from the data to the document. */
+/* Makes the sections of the page from the data. */
 
 const data = JSON.parse(document.getElementById('data').textContent);
 const runs = data.runs;
 const main = document.getElementById('main');
-const FEW = 20; /* most runs that are listed in detail */
+const FEW = 20; /* largest number of runs that are listed in detail */
 const methods = [...new Set(runs.map(r => r.method))], cases = [...new Set(runs.map(r => r.case))];
 const series_of = run => methods.indexOf(run.method);
 const name_of = run => (cases.length > 1 ? run.label : run.method);
@@ -16,10 +16,10 @@ function section(id, title, ...content) {
   document.getElementById('contents').append(el('li', null, el('a', {href: '#' + id}, title)));
 }
 
-/* A heading that keeps |...| on one line. */
+/* Return a heading in which each |...| stays on one line. */
 const unbroken = text => text.split(/(\|[^|]+\|,?)/).map((part, k) => (k % 2 ? el('span', {class: 'name'}, part) : part));
 
-/* A table from columns { name, unit, cell(row), text } and rows. */
+/* Return a table. A column is { name, unit, cell(row), text }, with `text` set for texts. */
 function table(caption, columns, rows) {
   const head = c => el('th', {scope: 'col', class: c.text ? null : 'number'}, unbroken(c.name), c.unit ? el('span', {class: 'unit'}, ' ' + c.unit) : null);
   return el('div', {class: 'wide', role: 'region', tabindex: 0, 'aria-label': caption}, el('table', null,
@@ -33,15 +33,16 @@ function table(caption, columns, rows) {
 
 /* ---- summary ---- */
 
-/* Of the metrics of all steps, those that most is asked for. */
+/* Metrics in the summary, with their labels. */
 const CHOSEN = [['transistors', 'transistors'], ['ion_mean_drawn', 'mean |ΔIon|, drawn'], ['ion_mean', 'mean |ΔIon|'],
   ['ion_max', 'max |ΔIon|'], ['ioff_mean', 'mean |ΔIoff|'], ['area_mean', 'mean |Δarea|'], ['epe_mean', 'mean EPE'],
   ['shots', 'shots'], ['violations', 'violations'], ['failed', 'do not print'], ['worse', 'worse than drawn'],
   ['simulations', 'simulations']];
-const FAULTS = ['failed', 'worse']; /* without a column if all are 0 */
+const FAULTS = ['failed', 'worse']; /* have a column only if a run has a value other than 0 */
 const DELTA = 'Δ is the deviation from the drawn transistor.';
 
-/* The first one called so: of `mask`, not of a step that looks again. */
+/* Return the path of the first metric of that name. Metrics are in the order of the steps, so
+   the metric is that of the correction, not of a later verification. */
 const metric_named = (run, name) => Object.keys(run.metrics).find(m => m.endsWith('.' + name)) || '';
 
 function metric_cell(run, name) {
@@ -65,7 +66,7 @@ function summary() {
     requirements(), findings());
 }
 
-/* Sentences on each pair of methods, and a table of their figures. */
+/* Return the verdicts on the pairs of methods as sentences, and a table of the changes. */
 function verdicts() {
   const all = data.verdicts, few = all.slice(0, 12);
   if (!all.length) return null;
@@ -90,8 +91,8 @@ const first_of = texts => (texts.length > 12 ? [...texts.slice(0, 10), `and ${te
 const notes = () => (data.missing.length
   ? el('div', {class: 'note'}, el('h3', null, 'Missing parts'), el('ul', null, first_of(data.missing).map(m => el('li', null, m)))) : null);
 
-/* All transistors of a method, in all cases that are asked for. Of classes, one
-   value with its number of transistors. */
+/* Return the deviations of all transistors of a method, in the case `only` or in all cases. A
+   class of transistors has one value, with the number of its transistors as weight. */
 function pool(method, only) {
   const out = {ion: weighted(), ioff: weighted(), area: weighted(), before: weighted(), w: [], pairs: weighted(), shots: 0, seconds: 0};
   const push = (to, v, n) => { to.push(v), to.n.push(n); };
@@ -132,7 +133,7 @@ function requirements() {
   if (!broken.length) return null;
   return table('Requirements that were not met', [{name: 'run', text: true, cell: q => q.run},
     {name: 'metric', text: true, cell: q => q.metric}, {name: 'required', text: true, cell: q => q.required},
-    {name: 'is', cell: q => quantity(q.value, q.unit)}], broken);
+    {name: 'value', cell: q => quantity(q.value, q.unit)}], broken);
 }
 
 function findings() {
@@ -178,7 +179,8 @@ function scatters(pools) {
   return [el('div', {class: 'charts'}, means_chart(pools), each)];
 }
 
-/* Figure 5.5 of the thesis: mean and standard deviation, one against the other. */
+/* Return the chart of figure 5.5 of the thesis (docs/background/thesis.md): for each method, the
+   mean and the standard deviation of the current deviation against those of the area. */
 function means_chart(pools) {
   const at = [];
   pools.forEach((p, k) => p.pairs.length && at.push([k, mean(mapped(p.area, size)), mean(mapped(p.ion, size)), stdv(p.area), stdv(p.ion)]));
@@ -189,7 +191,7 @@ function means_chart(pools) {
     about: 'Mean of the size as a filled mark, standard deviation as a ring around it.', height: 250,
     x: {...axis, label: '|Δarea|, %'}, y: {...axis, label: '|ΔIon|, %'}, draw: p => {
       iso(p, axis, axis);
-      for (const [k, a, i, sa, si] of at) { /* nothing is 0 on such a scale */
+      for (const [k, a, i, sa, si] of at) { /* a logarithmic axis cannot show 0 */
         const means = a > 0 && i > 0, spread = sa > 0 && si > 0;
         p.body.append(...some([
           means && spread && svg('path', {class: 'tie', style: 'stroke:' + colour_of(k), d: `M${p.x(a)} ${p.y(i)}L${p.x(sa)} ${p.y(si)}`}),
@@ -199,8 +201,8 @@ function means_chart(pools) {
     }}), methods.length > 1 ? legend(methods) : null);
 }
 
-/* Means by width; of more than GROUPS widths, in as many groups of about equally
-   many transistors. */
+/* Return charts of the mean deviation against the width. If there are more than GROUPS widths,
+   neighbouring widths are combined into GROUPS groups of about equal size. */
 const GROUPS = 16;
 function against_width(pools) {
   const of = (p, k, what) => {
@@ -219,8 +221,8 @@ function against_width(pools) {
   return el('div', null, el('div', {class: 'charts'}, one('area', 'area'), one('ion', 'Ion')), methods.length > 1 ? legend(methods) : null);
 }
 
-/* A figure of history.csv by iteration, of each method the mean over its runs; one
-   that ended earlier stays as it was. */
+/* Return the points [iteration, value] of a column of history.csv: the mean over the runs of a
+   method. A run that has ended counts with its last value. */
 function mean_history(method, only, name) {
   const all = runs.filter(r => r.method === method && (!only || r.case === only) && column(r, 'history', name))
     .map(r => new Map(column(r, 'history', 'iteration').map((n, i) => [n, column(r, 'history', name)[i]])));
@@ -258,7 +260,7 @@ function corners() {
   }));
 }
 
-/* Horizontal bars on a scale of powers, from 1. */
+/* Return a chart of horizontal bars that start at 1, on a logarithmic axis. */
 function bars_of(title, values, name, k) {
   const good = values.filter(v => is(v) && v > 0);
   if (!good.length) return null;
@@ -307,7 +309,7 @@ function worst_ten(place, viewer) {
     requestAnimationFrame(draw);
     return el('figure', null, canvas, el('figcaption', null, STATES[state]));
   };
-  place.replaceChildren(el('p', {class: 'about'}, `Of ${name_of(scene.run)}, by the size of the Ion deviation; those that do not print come first.`),
+  place.replaceChildren(el('p', {class: 'about'}, `Transistors of ${name_of(scene.run)} with the largest |ΔIon|; transistors that do not print come first.`),
     el('ol', {class: 'cards'}, ten.map(i => el('li', null, el('div', {class: 'pair'},
       scene.value.before.length ? close_up(i, 'before') : null, close_up(i, 'after')), facts_list(scene.run, scene.row(i)),
     el('button', {type: 'button', onclick: () => { viewer.element.scrollIntoView(); viewer.choose(i, true); viewer.canvas().focus({preventScroll: true}); }}, 'Show in the layout')))));
@@ -320,7 +322,7 @@ function violations() {
   section('violations', 'Violations of rules', there.map(r => plain_table(r, 'violations')));
 }
 
-/* Of what differs between runs, a row each; what they share, folded away. */
+/* Return a table with a row for each parameter that differs between the runs. */
 function parameters() {
   if (runs.length < 2) return null;
   const names = [...new Set(runs.flatMap(r => Object.keys(r.parameters)))];
@@ -344,7 +346,8 @@ function facts() {
   section('facts', 'Facts of the runs', parameters(), all_metrics(), runs.map(r => folded(name_of(r), runs.length === 1, () => inside(r))));
 }
 
-/* What is made when it is unfolded; of few runs at once, so that it is printed. */
+/* Return an element that can be unfolded. The content is made when the element is unfolded or,
+   for at most FEW runs, at once, so that a printout contains the content. */
 function folded(title, open, content) {
   const d = el('details', {open}, el('summary', null, title));
   if (runs.length <= FEW) d.append(...some(content()));

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The viewer: pictures of one layout side by side, moved and zoomed together by pointer and keyboard. */
+/* The viewer: up to three pictures of one layout side by side, which the pointer or the keyboard
+   moves and zooms together. */
 
 const HELP = 'Arrow keys select a neighbouring transistor, Page Down and Page Up the next or previous one in order of deviation; ' +
   '+ and \u2212 zoom, 0 shows the whole layout, Shift with arrow keys moves the picture, Escape ends the selection.';
@@ -10,7 +11,7 @@ class Viewer {
   constructor(runs) {
     this.runs = runs;
     this.show = {drawn: true, mask: true, print: true, image: false, violations: true};
-    this.common = true; /* one scale of colours */
+    this.common = true; /* all pictures have the same range of colours */
     this.chosen = -1;
     this.panes = [0, 1, 2].map(() => this.new_pane());
     this.details = el('div', {class: 'details', 'aria-live': 'polite', id: 'details'});
@@ -21,7 +22,7 @@ class Viewer {
     new ResizeObserver(() => (this.fits ? this.fit() : this.draw())).observe(this.element);
   }
 
-  /* ---- its parts ---- */
+  /* ---- parts of the viewer ---- */
 
   controls() {
     const options = this.runs.map((r, i) => el('option', {value: i}, name_of(r)));
@@ -34,10 +35,10 @@ class Viewer {
     const button = (text, name, act) => el('button', {type: 'button', 'aria-label': name, title: name, onclick: act}, text);
     return el('div', {class: 'controls'},
       el('label', null, 'Run ', this.first), el('label', null, 'beside ', this.second),
-      el('span', {class: 'group', role: 'group', 'aria-label': 'What is shown'}, boxes),
+      el('span', {class: 'group', role: 'group', 'aria-label': 'Parts of the picture'}, boxes),
       el('label', null, el('input', {type: 'checkbox', checked: true, onchange: e => { this.common = e.target.checked; repaint(); }}), 'one scale'),
-      el('span', {class: 'group'}, button('+', 'nearer', () => this.zoom(1.5)),
-        button('\u2212', 'further', () => this.zoom(1 / 1.5)), button('all', 'show all', () => this.fit())));
+      el('span', {class: 'group'}, button('+', 'zoom in', () => this.zoom(1.5)),
+        button('\u2212', 'zoom out', () => this.zoom(1 / 1.5)), button('all', 'show all', () => this.fit())));
   }
 
   new_pane() {
@@ -54,7 +55,8 @@ class Viewer {
     return pane;
   }
 
-  /* One finger or button moves, two fingers zoom, a click without a move chooses. */
+  /* One finger or a pressed button moves the picture, two fingers zoom, and a click without a
+     movement selects a transistor. */
   listen_to_pointers(pane) {
     const at = new Map(), {canvas} = pane;
     let moved = 0;
@@ -81,7 +83,7 @@ class Viewer {
     canvas.addEventListener('pointerleave', () => { this.tip.hidden = true; });
   }
 
-  /* ---- what is shown ---- */
+  /* ---- content of the pictures ---- */
 
   async open(first) {
     if (first !== undefined) this.first.value = first;
@@ -128,7 +130,8 @@ class Viewer {
     for (const name of ['x', 'y', 'scale']) this.element.dataset[name] = this.window[name].toPrecision(6);
   }
 
-  /* The ranges of the colours of states: one of all, unless each has its own. */
+  /* Return the range of the colours for each state: the same range for all states if `common` is
+     set. */
   ranges(scene, states) {
     const each = states.map(s => range_of(finite(Array.from(scene.value[s]))));
     return Object.fromEntries(states.map((s, i) => [s, this.common ? Math.max(...each) : each[i]]));
@@ -143,7 +146,7 @@ class Viewer {
     this.window = {x: (x0 + x1) / 2, y: (y0 + y1) / 2,
       scale: 0.94 * Math.min((c.clientWidth || 400) / (x1 - x0), (c.clientHeight || 360) / (y1 - y0))};
     this.least = this.window.scale / 4;
-    this.fits = true; /* until somebody moves it */
+    this.fits = true; /* until the user moves or zooms the picture */
     this.draw();
   }
 
@@ -169,7 +172,8 @@ class Viewer {
 
   /* ---- transistors ---- */
 
-  /* The one whose box is nearest, within 8 pixels. */
+  /* Return the transistor whose box is nearest to a point, at most 8 pixels away; -1 if there is
+     none. */
   gate_at(at) {
     const {boxes, count} = this.scene;
     let best = -1, least = 8 / this.window.scale;
@@ -212,7 +216,7 @@ class Viewer {
     this.draw();
   }
 
-  /* The next one in a direction: the nearest within 60 degrees of it. */
+  /* Select the nearest transistor within 60 degrees of a direction. */
   next(dx, dy) {
     const from = this.chosen >= 0 ? this.centre(this.chosen) : this.window;
     let best = this.chosen, least = Infinity;
@@ -245,7 +249,7 @@ class Viewer {
   }
 }
 
-/* Whether two runs have the same transistors in the same places. */
+/* Return whether two runs have the same transistors at the same places. */
 const is_like = (a, b) => a.view.boxes === b.view.boxes;
 
 function colour_key(what) {

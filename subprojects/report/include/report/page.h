@@ -23,17 +23,17 @@ void page_clear(page *p);
    code. */
 int page_add(page *p, const char *folder, opc_error *error);
 
-/* Add one run of the case `of_case` (may be NULL) by a method (NULL: the name
-   of the folder). `running`: 1 for the run in progress that writes the page.
-   Returns OPC_OK or an error code. */
+/* Add one run of the case `of_case` (may be NULL) by a method; if `method` is
+   NULL, the name of the folder is used. `running` is 1 for the run in progress
+   that writes the page. Returns OPC_OK or an error code. */
 int page_add_run(page *p, const char *folder, const char *of_case,
                  const char *method, int running, opc_error *error);
 
 /* Add a note on a missing part. */
 void page_lacks(page *p, const char *format, ...) OPC_PRINTF(2, 3);
 
-/* Write the page. `title` NULL: names of the runs. Returns OPC_OK, or OPC_IO
-   with the parameter `file`. */
+/* Write the page. If `title` is NULL, the title consists of the case and the
+   methods of the runs. Returns OPC_OK, or OPC_IO with the parameter `file`. */
 int page_write(page *p, const char *title, const char *path, opc_error *error);
 
 /* Parameter of page_init; the page of the default size loads in two seconds. */
