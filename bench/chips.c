@@ -72,7 +72,7 @@ static void figure_report(const char *name, const char *what, double value,
 }
 
 /* Measure a correction with fast simulations by a flow that extends `base`;
-   `more` are further arguments. */
+   `more` has further arguments. */
 static gboolean chip_measure(const char *folder, const char *name,
                              const char *base, char **more, double transistors,
                              double area, const char *layout) {

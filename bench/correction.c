@@ -22,8 +22,8 @@ enum { MAX_REPEATS = 9, MAX_SETS = 8, MAX_FIGURES = 8 };
 typedef struct figure {
   const char *step, *metric; /* "seconds": run time of the step, from the
                                 manifest */
-  double reach;              /* 0: not reported */
-  const char *unit;          /* NULL: a number */
+  double reach;              /* goal; 0 for a figure without a goal */
+  const char *unit;          /* NULL for a plain number */
 } figure;
 
 /* The measured version, or the other version (OPCFLOW_BEFORE). */
@@ -35,16 +35,16 @@ typedef struct version {
 typedef struct correction_case {
   const char *name;           /* prefix of the figures */
   const char *flow;           /* in flows/ */
-  const char *variant;        /* variant of the flow; NULL: none */
-  const char *circuit;        /* circuit of ISCAS'85; NULL: the layout named by
-                                 the flow */
+  const char *variant;        /* variant of the flow, or NULL */
+  const char *circuit;        /* circuit of ISCAS'85; NULL for the layout that
+                                 the flow names */
   size_t repeats;             /* number of runs; the median is reported */
-  double seconds;             /* goal of the run time; 0: not reported */
+  double seconds;             /* goal of the run time; 0 without a goal */
   const char *sets[MAX_SETS]; /* STEP.PARAMETER=VALUE */
   figure figures[MAX_FIGURES];
-  /* Settings of the reference run (fast simulations alone; if none: the other
-     version), and the allowed ratio of the times. Runs alternate with reference
-     runs. */
+  /* Settings of the reference run, which uses fast simulations alone, and the
+     allowed ratio of the times. Without settings, the reference run is that of
+     the other version. Runs alternate with reference runs. */
   const char *cheap[MAX_SETS];
   double times;
 } correction_case;

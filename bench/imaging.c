@@ -261,9 +261,9 @@ static double plain_sum(const eda_spectrum *mask, size_t count) {
   return time;
 }
 
-/* Measure the transforms of the fields alone, by the same code, in the cache:
-   of the columns within the band along y, of all rows along x. Any sum of that
-   many kernels needs these transforms. */
+/* Measure the transforms that a sum over `kernels` kernels needs: along y for
+   the columns within the band, and along x for all rows. The same code
+   transforms one line again and again, which stays in the cache. */
 static double plain_lines(eda_frame f, size_t kernels) {
   double band = (1 + LINES_SIGMA) * LINES_CUTOFF;
   int n = eda_lanes_size(f.width * 0.85 * (2 * band + 2 * LINES_CUTOFF));

@@ -8,7 +8,7 @@
 
 typedef struct memory_file {
   char path[64];
-  int file; /* 0: not yet created */
+  int file; /* 0 before the first use */
 } memory_file;
 
 static const char *memory_file_put(memory_file *m, const uint8_t *data,

@@ -190,7 +190,7 @@ static void test_verb_help(void) {
   g_assert_true(
       g_str_has_prefix(help, "Usage: opcflow echo WORD ... [OPTIONS]\n"));
   static const char *const lines[] = {
-      "  --max-cases NUMBER            how many at most; default: 2; >= 1\n",
+      "  --max-cases NUMBER            largest number; default: 2; >= 1\n",
       "  --mode first|second           a word; default: second\n",
       "  --quiet                       say nothing; default: false\n",
       "  --no-quiet                    not --quiet\n",

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Complete command lines by zsh, which runs on a pseudo-terminal in the current folder. Reads lines
-# from standard input and presses Tab at the end of each line. Prints the completed line, '|', and
-# the sorted candidates. OPCFLOW_SOURCE: folder of the sources, with the completion; OPCFLOW_BUILD:
-# folder of the command.
+# Complete command lines by zsh, which runs on a pseudo-terminal in the current folder.
+# Reads lines from standard input and presses Tab at the end of each line. Prints the
+# completed line, '|', and the sorted candidates. OPCFLOW_SOURCE is the folder of the
+# sources, which has the completion; OPCFLOW_BUILD is the folder of the command.
 zmodload zsh/zpty zsh/zselect
 here=$PWD/.zsh-completion
 mkdir -p $here

@@ -136,8 +136,9 @@ static void expect_page(const char *file, double transistors, double classes) {
   json_node_unref(root);
 }
 
-/* A mask by classes is written with the layer numbers of a flat mask: read from
-   these numbers and simulated flat, the file has the figures of the classes. */
+/* A mask by classes (transistors with equal environments share a mask) is
+   written with the layer numbers of a flat mask. If the file is read by these
+   numbers and simulated flat, the figures equal those of the classes. */
 static void test_chip_numbers(void) {
   static const char *const equal[] = {"transistors", "failed", "outside"};
   g_autofree char *chip = source_path("flows/chip.yaml"),
@@ -182,8 +183,8 @@ static void test_chip_numbers(void) {
               metric("numbers", "mask", "prints"));
 }
 
-/* The check finds wrong layers of a mask's writers
-   before the correction. */
+/* `check` reports wrong layers in the steps that write a mask, before the
+   correction runs. */
 static void test_mask_layers(void) {
   g_autofree char *demo = source_path("flows/demo.yaml");
   g_autofree char *errors = NULL, *more = NULL;
@@ -270,7 +271,7 @@ static void test_verify(void) {
   g_assert_cmpfloat(metric("verify", "other", "failed"), ==, 0);
 }
 
-/* ---- the other ready flows ---- */
+/* ---- the other shipped flows ---- */
 
 /* Run flows/NAME.yaml into a folder of that name, with up to two settings. */
 static void run_ready(const char *name, const char *set, const char *more) {

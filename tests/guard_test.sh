@@ -1,9 +1,10 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Test messages of `correct` about faults, and the guard, by the tables of runs of each method. If a
-# transistor deviates by more than drawn and by more than the limit, its row must name a rule or a
-# neighbour as the reason. Without the guard, some transistors are worse without a reason. Accurate
-# simulation of the drawn mask determines Ion to a tenth of the limit, 0.05 %.
+# Test the guard of the step `correct`, which reverts displacements that made a transistor
+# worse, for each method. If a transistor deviates more than on the drawn mask and more
+# than the limit, its row in gates.csv must name a rule or a neighbour as the reason.
+# Without the guard, some transistors are worse without a reason. Accurate simulation of
+# the drawn mask determines Ion to a tenth of the limit, 0.05 %.
 set -u
 opcflow=$OPCFLOW_BUILD/opcflow
 cells=$OPCFLOW_SOURCE/data/cells65
@@ -19,8 +20,8 @@ correct() {
   [ $? -le 1 ] || { sed 's/^/# /' "$work/said"; return 1; }
 }
 
-# Print the number of worse transistors, the number of these without a reason, and the number of all
-# transistors.
+# Print three numbers: of worse transistors, of worse transistors without a reason, and of
+# all transistors.
 count() {
   awk -F, '
     NR == 1 { for (i = 1; i <= NF; i++) { sub(/ .*/, "", $i); at[$i] = i }; next }

@@ -18,11 +18,12 @@ typedef struct inner_flow {
   size_t n_axes;
   const opc_metric *metric; /* the metric at `path` */
   const char *path;         /* "mask.ion" */
-  const opc_metric *more;   /* a further metric; more_path NULL: none */
+  const opc_metric *more;   /* a second metric at `more_path`; NULL if there is
+                               none */
   const char *more_path;
-  const char *mask; /* the step with a mask; NULL: none */
+  const char *mask; /* the step with a mask, or NULL */
   void *object;     /* object that represents the mask */
-  int (*point)(size_t point, opc_error *error); /* compute a run: set the
+  int (*point)(size_t point, opc_error *error); /* compute a run, and set the
                                                    members below */
 
   /* Set by `point`. */

@@ -190,8 +190,8 @@ static void test_untidy(void) {
 }
 
 /* The last line for a plugin without a fault, and the exit code with --strict.
-   Tested are a plugin with tests, a plugin that is not reentrant, and a plugin
-   whose kind has no tests. */
+   The test runs a plugin with tests, a plugin that is not reentrant, and a
+   plugin whose kind has no tests. */
 #define WORK                                                                 \
   "note: checked: exports, loading, check, work, the same work again, work " \
   "on several threads, "
@@ -204,7 +204,7 @@ static const char untried[] =
     "note: checked: exports, loading, check, creating and freeing; not "
     "checked: work: the kind '*' has no test of plugins\n";
 
-/* Parameters, so that a simulation is short; NULL: the defaults. */
+/* Parameters for short simulations; NULL for the default parameters. */
 static const char few_points[] = "{ points_across: 8 }";
 static const char few_doses[] = "{ dose: [0 %, 2 %], defocus: [0 nm, 50 nm] }";
 
@@ -294,7 +294,7 @@ static void test_killed(void) {
   g_assert_cmpint(g_rmdir(folder), ==, 0);
 }
 
-/* Endless loops, and a slow plugin that can be cancelled, which is no fault.
+/* Endless loops, and a slow plugin that can be cancelled and has no fault.
    Other tests run at the same time. */
 static struct {
   const char *id, *out, *err;

@@ -37,8 +37,8 @@ static int program_call(const char *const *argv) {
 #define MESON_SANITIZE "-Db_sanitize=none"
 #endif
 
-/* Compile a file of a plugin's folder against this uninstalled build;
-   `testing`: as a test program. */
+/* Compile a file of a plugin's folder against this uninstalled build; if
+   `testing` is TRUE, as a test program. */
 static void file_compile(const char *source, const char *object,
                          gboolean testing) {
   const char *build = g_getenv("OPCFLOW_BUILD");
@@ -169,7 +169,8 @@ static void test_kind(void) {
     g_error("%s%s", out, err);
 }
 
-/* Build by the commands in the README; this build is the installation. */
+/* Build a new plugin by the commands in its README, against this build in place
+   of an installation. */
 static void test_project(void) {
   g_autofree char *path =
       g_strdup_printf("%s/meson-uninstalled", g_getenv("OPCFLOW_BUILD"));
@@ -193,8 +194,8 @@ static double worst(const char *run) {
   return json_array_get_double_element(json_node_get_array(found), 0);
 }
 
-/* The synthesizer corrects: the largest deviation is below 2.5 %, uncorrected
-   18 %. */
+/* The new synthesizer reduces the largest deviation from 18 % to less than 2.5
+   %. */
 static void test_synthesizer(void) {
   g_assert_cmpfloat(worst("synthesizer/run"), <, 2.5);
 }

@@ -14,12 +14,13 @@
 
 #include <store/files.h>
 
-/* Times: time before SIGTERM of long runs, ms; limits of the time to stop and
-   of all other runs, s. The limits only end a run that hangs, also on a loaded
-   machine. */
+/* A_WHILE: time after which a long run receives SIGTERM, ms. STOP: largest time
+   from SIGTERM to the end of the run, s. MOST: largest time of any other run,
+   s. Only a run that hangs exceeds these limits, also on a loaded machine. */
 enum { A_WHILE = 500, STOP = 60, MOST = 300 };
-/* Limit of the address space. A run that needs more must report the limit. With
-   AddressSanitizer there is no limit, because it needs terabytes. */
+/* Limit of the address space. A run that needs more must report the limit. Runs
+   under AddressSanitizer have no limit, because the sanitizer maps
+   terabytes. */
 #ifdef __SANITIZE_ADDRESS__
 static const rlim_t memory_limit = RLIM_INFINITY;
 #else
@@ -277,8 +278,8 @@ static void test_sum(void) {
   "active_threshold: 0.271 }"
 
 /* Two flows of one layout: odd.yaml calibrates thresholds, light.yaml has more
-   steps. Accurate simulations are coarse: the code path is that of the shipped
-   flows, in a fifth of the time. */
+   steps. Accurate simulations have a low accuracy, so that the code of the
+   shipped flows runs in a fifth of the time. */
 static void set_up(void) {
   folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
   g_assert_cmpint(g_chdir(folder), ==, 0);

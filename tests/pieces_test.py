@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Test work units in one process: results are compared with sums computed here, and stored units
-are reused after faults, kills and damage. PIECES_KILLS: number of kills."""
+are reused after faults, kills and damage. PIECES_KILLS is the number of kills."""
 import glob
 import json
 import os

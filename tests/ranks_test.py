@@ -56,7 +56,7 @@ class Place:
             f.write(text)
 
     def start(self, n, *sets, flow="shared.yaml", options=(), joins=False):
-        """Start n ranks, or one process (0). joins: keep the journal of the processes that run."""
+        """Start n ranks, or one process if n is 0. If `joins` is set, keep the journal of earlier processes."""
         self.number += 1
         if not joins:
             self.write("journal", "")

@@ -48,7 +48,7 @@ domain_words() {
   done
 }
 
-# A folder does not include from folders later in the list.
+# Print each include from a folder that is later in the list.
 kernel_order() {
   includes core | awk '
     BEGIN { n = split("plugin binding report run cli", rooms, " ")
@@ -146,7 +146,7 @@ store_alone() {
     grep -v '<opcflow/base\.h>$'
 }
 
-# The id of each plugin, and the folder of the file that declares the id.
+# Print the id of each plugin, and the folder of the file that declares the id.
 ids() {
   grep -rlE '^ *OPC_PLUGIN\(' plugins --include='*.c' | sort |
     while read -r file; do
@@ -155,7 +155,7 @@ ids() {
     done
 }
 
-# Files with too many lines.
+# Print the files with too many lines.
 long_files() {
   find core include subprojects plugins tests tools -type f |
     grep -E '\.(c|h|py|sh|inc)$' | sort | xargs wc -l |

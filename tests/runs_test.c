@@ -103,7 +103,8 @@ static void test_findings_of_points(void) {
 /* a.sum is 69 nm and b.sum is 75 nm. Tests bounds on both metrics. */
 static void test_bounds(void) {
   static const struct {
-    const char *bound, *text; /* text of a violated bound; NULL: satisfied */
+    const char *bound, *text; /* text of a violated bound; NULL if the bound is
+                                 met */
   } cases[] = {{"75~nm", NULL},
                {"0.075~um", NULL},
                {"74.9~nm", "at most 74.9 nm"},

@@ -85,8 +85,8 @@ static void save_flow(const char *name, const char *text) {
   opc_source_free(source);
 }
 
-/* Return a line for each document. NULL, with the test skipped, if no validator
-   is installed. */
+/* Return the verdict on each document, "good" or the fault. Skip the test and
+   return NULL if no validator is installed. */
 static char **documents_validate(const GPtrArray *names) {
   g_autoptr(GPtrArray) argv = g_ptr_array_new();
   g_autofree char *script = g_build_filename(g_getenv("OPCFLOW_SOURCE"),
@@ -119,8 +119,8 @@ static void test_good(void) {
   for (const char *name; (name = g_dir_read_name(dir));) {
     g_autofree char *path = g_build_filename(flows, name, NULL);
     g_autofree char *text = NULL;
-    /* iccad.yaml has no names of the required files, which --set provides, so
-       that an editor reports missing parameters. */
+    /* iccad.yaml is excepted: the user names the required files by --set, so
+       that the schema reports missing parameters. */
     if (!g_str_has_suffix(name, ".yaml") || !strcmp(name, "iccad.yaml"))
       continue;
     g_assert_true(g_file_get_contents(path, &text, NULL, NULL));

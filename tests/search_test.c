@@ -33,7 +33,7 @@ static void expect_same(const char *a, const char *b, const char *c,
 
 /* ---- flows ---- */
 
-/* NAND2 by EPE-OPC. */
+/* Return the inner flow, which corrects a NAND2 by EPE-OPC. */
 static char *inner_text(void) {
   g_autofree char *cif = source_path("data/cells65/nand2.cif");
   g_autofree char *devices = source_path("data/devices/ptm65.yaml");

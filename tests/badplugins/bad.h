@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Helpers of plugins that fail at run time. BAD_ID is the id, BAD_FAULT the
-   name of the fault ("none": no fault). Without BAD_FAULT, evil.h selects a
-   fault. */
+   name of the fault, or "none". Without BAD_FAULT, evil.h selects a fault. */
 #ifndef BAD_H
 #define BAD_H
 

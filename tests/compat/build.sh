@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Build the plugins that are to be kept, from source/ and the headers of their
-# time, for this machine: `build.sh FOLDER_OF_LIBEDA [OUT]`. README.md says when.
+# Build the plugins from source/ and headers/ for this machine: `build.sh FOLDER_OF_LIBEDA
+# [OUT]`. README.md says when this is done.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 out=${2:-$here/$(uname -m)}

@@ -63,7 +63,7 @@ static int echo_run(void *self, size_t n, const char *const *words,
 
 static const opc_parameter parameters[] = {
     OPC_PARAMETER(echo, max_cases, .type = OPC_INT, .flags = OPC_AT_LEAST,
-                  .preset = "2", .min = 1, .summary = "how many at most"),
+                  .preset = "2", .min = 1, .summary = "largest number"),
     OPC_PARAMETER(echo, mode, .type = OPC_CHOICE, .preset = "second",
                   .choices = "first|second", .summary = "a word"),
     OPC_PARAMETER(echo, quiet, .type = OPC_BOOL, .preset = "false",

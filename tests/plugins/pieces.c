@@ -28,8 +28,8 @@ enum {
 
 typedef struct pieces {
   const opc_host *host;
-  int64_t count, wait, size, at; /* ms; words of a result; index of the faulty
-                                    unit */
+  int64_t count, wait, size, at; /* number of units; time of a unit, ms; numbers
+                                    in a result; index of the faulty unit */
   const double *add;
   const char *journal;
   int fault, kept;

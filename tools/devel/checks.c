@@ -22,8 +22,8 @@ static const double part = 2.0 / 3;
 
 enum {
   THREADS = 4,
-  TOGETHER = 2, /* number of concurrent instances */
-  CYCLES = 64,
+  TOGETHER = 2,       /* number of concurrent instances */
+  CYCLES = 64,        /* instances of a series, which are made one by one */
   SEGMENT = 2,        /* s */
   SMALLEST_LEAK = 256 /* bytes in CYCLES cycles */
 };
@@ -38,7 +38,8 @@ struct opc_inspection {
   const opc_kind *kind; /* kind with the samples and `exercise` */
   size_t check;
   size_t sample;     /* number of the sample file for the plugin */
-  int out;           /* file descriptor of the report; -1: none */
+  int out;           /* file descriptor of the report; -1 if nothing is
+                        reported */
   guint notes;       /* number of notes so far */
   GChecksum *digest; /* digest of all results */
 };
@@ -82,8 +83,8 @@ static void report_note(opc_inspector *hears, const char *format, ...) {
    reports after the thread has ended. */
 static inspector listening;
 
-/* Report a change of the process. The parent process reports that the plugin
-   ended the process. */
+/* Report a change of the process, except that the plugin ended the process,
+   which the parent process reports. */
 static void report_process_change(const char *id, const char *what) {
   const opc_lint *lint = listening.lint;
   gboolean own = !g_strcmp0(id, lint->id);
@@ -369,9 +370,9 @@ static void say_digest(inspector *in) {
   if (digest) report_text(in, 'D', digest);
 }
 
-/* Select the first sample file that the plugin accepts or reads until the time
-   limit, first with the required inputs only, then with all inputs. Add a note
-   if there is none. */
+/* Select the first sample file that the plugin accepts or still reads at the
+   time limit: first with the required inputs only, then with all inputs. Add a
+   note if there is none. */
 static void choose_sample(inspector *in, const char *parameter) {
   inspector nowhere = *in;
   nowhere.out = -1;
@@ -450,8 +451,8 @@ static void check_together(inspector *in) {
 /* ---- memory ---- */
 
 /* Return the growth of memory, bytes per instance, in a series of up to `most`
-   instances or SEGMENT seconds; 0 below SMALLEST_LEAK. `working`: the instances
-   also run. */
+   instances or SEGMENT seconds; 0 below SMALLEST_LEAK. If `working` is TRUE,
+   the instances also run. */
 static double memory_growth(const inspector *in, gboolean working, int most) {
   inspector nowhere = *in;
   nowhere.out = -1;

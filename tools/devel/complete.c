@@ -14,12 +14,11 @@
 /* Parsed command line up to the cursor. */
 typedef struct line {
   const char *current;  /* last word, to be completed */
-  const cli_verb *verb; /* NULL: not yet typed */
-  const char *flow;     /* the flow file among the words, NULL for none */
+  const cli_verb *verb; /* NULL if not yet typed */
+  const char *flow;     /* the flow file among the words, or NULL */
   guint arguments;      /* number of arguments of the verb before `current` */
   const char *awaited;  /* name of the value in the help ("N"), if `current` is
-                           the value of an option; NULL: no option awaits a
-                           value */
+                           the value of an option; else NULL */
 } line;
 
 static void offer_word(const line *l, const char *word) {
@@ -169,7 +168,8 @@ static void line_complete(line *l) {
   }
 }
 
-/* `arguments`: the words after the command `complete`, without quotes. */
+/* `arguments` has one text, the command line up to the cursor, which is split
+   at blanks. */
 static int complete_run(const cli_verb *verb, const GPtrArray *arguments) {
   (void)verb;
   g_autoptr(GPtrArray) words = g_ptr_array_new();

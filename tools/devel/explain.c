@@ -35,7 +35,7 @@ static JsonArray *results_of(JsonNode *manifest, JsonObject **store) {
   return node && JSON_NODE_HOLDS_ARRAY(node) ? json_node_get_array(node) : NULL;
 }
 
-/* ---- printing: equal lines of many points once ---- */
+/* ---- printing: one line for equal lines of several points ---- */
 
 typedef struct line {
   const char *step, *result, *reason;

@@ -29,7 +29,7 @@ typedef struct opc_check {
   const char *name;
   gboolean works;      /* reports a digest, if `kind` has a test */
   const char *differs; /* finding if the digest differs from that of the first
-                          check; NULL: the digests are not compared */
+                          check; NULL if digests are not compared */
   void (*work)(opc_inspection *in);
 } opc_check;
 

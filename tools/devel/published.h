@@ -17,7 +17,7 @@ typedef struct opc_published_metric {
 typedef struct opc_published {
   opc_host host;      /* template for the hosts of instances */
   const char *inside; /* folder that contains `folder` */
-  char *folder;       /* for files; NULL: not yet created */
+  char *folder;       /* for files; NULL before the first file */
   GPtrArray
       *tables;      /* opc_table *; if names are equal, the last one is valid */
   GPtrArray *paths; /* char *: paths of the files */
