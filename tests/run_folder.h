@@ -11,8 +11,8 @@
 typedef struct made_run {
   const char *folder;
   const char *metrics; /* { "step": { ... } } */
-  const char *gates;   /* CSV; NULL: no file */
-  const char *view;    /* view.json; NULL: no file */
+  const char *gates;   /* CSV; NULL for no file */
+  const char *view;    /* view.json; NULL for no file */
   const char *layout;  /* SHA-256 of the layout */
   const char *na, *target, *variant, *started;
   const char *more;  /* further entries of the manifest, with a trailing

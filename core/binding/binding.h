@@ -36,7 +36,7 @@ struct opc_binding {
                                binding */
   void *run;                /* `like->data` as passed to opc_binding_create */
   opc_module module;        /* self is NULL before create */
-  opc_inner *inner;         /* inner flow of the step; NULL: none */
+  opc_inner *inner;         /* inner flow of the step, or NULL */
   const opc_nested *nested; /* functions of `inner` */
   struct opc_store *store; /* store of results of an instance outside runs; NULL
                               if results are not stored */

@@ -32,7 +32,7 @@ typedef struct expander {
 /* An element of the value of an axis, which may expand into several layers. */
 typedef struct item {
   const opc_node *node;
-  const char *name;    /* of the layer; NULL: made from the values */
+  const char *name;    /* of the layer; NULL if made from the values */
   const char *variant; /* "" if no variant applies */
   gboolean several;    /* some key has several values */
 } item;
@@ -42,7 +42,7 @@ typedef struct item {
 typedef struct part {
   opc_node *map;  /* paths and values */
   GString *label; /* values of the keys with several values */
-  char *star;     /* text matched by `*` in a file name; NULL: none yet */
+  char *star;     /* text matched by `*` in a file name, or NULL */
 } part;
 
 static void part_free(gpointer object) {
@@ -67,7 +67,7 @@ static part *part_copy(const part *from) {
 typedef struct probe {
   opc_sweep *sweep;
   opc_flow *flow;
-  opc_binding *step, *binding; /* NULL: not found */
+  opc_binding *step, *binding; /* NULL if not found */
   const opc_parameter *parameter;
 } probe;
 
@@ -113,8 +113,8 @@ static gboolean is_pattern(const opc_node *node) {
 }
 
 /* Return the parameter at a path if values may be patterns: an OPC_FILE, or a
-   parameter with OPC_LISTED. Otherwise return NULL: all values are plain
-   texts. */
+   parameter with OPC_LISTED. Otherwise return NULL, because all values are
+   plain texts. */
 static const opc_parameter *pattern_parameter(const expander *e, const item *it,
                                               const opc_node *map,
                                               const char *path) {

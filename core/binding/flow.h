@@ -42,25 +42,25 @@ typedef struct opc_requirement {
 typedef struct opc_flow opc_flow;
 struct opc_flow {
   char *name;
-  const char *variant; /* NULL: none */
+  const char *variant; /* may be NULL */
   const opc_recipe *recipe;
   opc_recipe *owned;       /* the recipe, if the flow owns it */
   opc_node *nodes;         /* the map of steps */
   GPtrArray *sources;      /* opc_source *: one per --set */
   GPtrArray *steps;        /* opc_flow_step *, in file order */
   GPtrArray *order;        /* opc_flow_step *, in order of execution */
-  opc_node *demands;       /* section "require" of the flow; NULL: none */
+  opc_node *demands;       /* section "require" of the flow, or NULL */
   GPtrArray *requirements; /* opc_requirement * */
 };
 
 /* Changes applied to the steps of a recipe, in this order. */
 typedef struct opc_choice {
-  const char *variant;     /* name; NULL: none */
-  const opc_sweep *sweep;  /* NULL: none */
+  const char *variant;     /* name; may be NULL */
+  const opc_sweep *sweep;  /* may be NULL */
   size_t point;            /* index in the sweep */
   const char *const *sets; /* "step.parameter=value", NULL-terminated, may be
                               NULL */
-  const opc_node *over;    /* a map of paths and values; NULL: none */
+  const opc_node *over;    /* a map of paths and values, or NULL */
   unsigned bind;           /* OPC_BIND_* of the steps */
 } opc_choice;
 

@@ -11,7 +11,7 @@ typedef struct opc_recipe {
                                description may be NULL */
   GPtrArray *sources;       /* opc_source *: flow files, variants, list files */
   GPtrArray *roots;         /* opc_node *: one per file */
-  opc_node *steps;          /* merged steps; NULL: none given */
+  opc_node *steps;          /* merged steps; NULL if no file has steps */
   opc_node *variants; /* name -> (path -> value). Entries of the extended flow
                          come first; if a path occurs twice, the later entry
                          applies */
@@ -26,6 +26,6 @@ void opc_recipe_free(opc_recipe *recipe);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_recipe, opc_recipe_free)
 
 /* Return whether the recipe has a variant of that name; if not, add a problem
-   with a suggestion at `at` (NULL: the file). */
+   with a suggestion at `at` or, if NULL, the file. */
 gboolean opc_recipe_has(const opc_recipe *recipe, const char *variant,
                         const opc_place *at, opc_problems *problems);

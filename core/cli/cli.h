@@ -31,15 +31,15 @@ struct cli_verb {
   const char *name;
   const char *arguments; /* "FLOW" */
   const char *summary;
-  const cli_option *options; /* ends with an empty element; NULL: none */
+  const cli_option *options; /* ends with an empty element; may be NULL */
   guint least, most;         /* limits of the number of arguments */
-  /* Run the verb after the options are read; returns the exit code. NULL: the
+  /* Run the verb after the options are read; returns the exit code. NULL if the
      verb belongs to another program. */
   int (*run)(const cli_verb *verb, const GPtrArray *arguments);
   const char *words;        /* choices of the first argument, separated by |; or
                                NULL */
   gboolean hidden;          /* for shell completion, not in help */
-  const opc_plugin *plugin; /* plugin of the verb; NULL: built in */
+  const opc_plugin *plugin; /* plugin of the verb; NULL if built in */
 };
 
 extern const cli_verb cli_run, cli_check, cli_version, cli_help;
@@ -128,9 +128,9 @@ typedef struct cli_open_file {
 GArray *cli_open_files(const opc_flow *flow);
 
 /* Return the variants chosen by --variant (char *, owned by the recipe or
-   `given`; NULL: the flow itself). Without --variant: the flow and, if `every`
-   is set, all variants. Adds a problem for an unknown name. `recipe` may be
-   NULL. */
+   `given`; NULL for the flow itself). Without --variant: the flow and, if
+   `every` is set, all variants. Adds a problem for an unknown name. `recipe`
+   may be NULL. */
 GPtrArray *cli_choose_variants(const opc_recipe *recipe, GPtrArray *given,
                                gboolean every, opc_problems *problems);
 

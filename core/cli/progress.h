@@ -13,7 +13,7 @@ typedef struct cli_progress {
   GMutex lock;
   char *step;
   size_t number, count;
-  size_t point, points; /* point and points of a sweep; 0: none */
+  size_t point, points; /* point and points of a sweep, or 0 */
   gint64 began, last;   /* start of the step; time of the last line; us */
 } cli_progress;
 

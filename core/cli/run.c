@@ -131,7 +131,7 @@ static JsonObject *run_json(const opc_run *run, opc_problems *broken) {
 typedef struct series {
   const opc_recipe *recipe;
   const opc_sweep *sweep;
-  GPtrArray *chosen; /* char *: variants; NULL: none */
+  GPtrArray *chosen; /* char *: variants; NULL for the flow itself */
   JsonArray *list;   /* one document per run, if there are several */
 } series;
 

@@ -17,18 +17,18 @@ typedef struct opc_watch {
   void (*point)(void *data, size_t number, size_t count);
 } opc_watch;
 
-/* Return a host for the instance at `path` (opc_host_free). *watch (NULL: none)
-   receives messages and progress. The functions table, metric, output_path and
-   service call those of *like. If *like lacks a function, tables and metrics
-   are ignored, output_path fails, and work units run in this process. `path`,
-   `watch` and `like` outlive the host. */
+/* Return a host for the instance at `path` (opc_host_free). *watch, unless
+   NULL, receives messages and progress. The functions table, metric,
+   output_path and service call those of *like. If *like lacks a function,
+   tables and metrics are ignored, output_path fails, and work units run in this
+   process. `path`, `watch` and `like` outlive the host. */
 opc_host *opc_host_new(const char *path, const opc_watch *watch,
                        const opc_host *like);
 /* Detach the host from the watch, which receives nothing more. */
 void opc_host_ignore(opc_host *host);
 void opc_host_free(opc_host *host);
 
-/* Set the number of threads of opc_host.parallel; 0: one per processor. Call
+/* Set the number of threads of opc_host.parallel; 0 for one per processor. Call
    before the first parallel call. */
 void opc_set_threads(unsigned n);
 unsigned opc_threads(void);

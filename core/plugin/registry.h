@@ -13,7 +13,7 @@
 typedef struct opc_candidate {
   char *id; /* id from the file name */
   char *path;
-  char *reason;          /* reason why not usable; NULL: usable */
+  char *reason;          /* reason why not usable; NULL if usable */
   const char *hidden_by; /* path of a file of the same id in an earlier folder,
                             or NULL */
   char *kind, *version, *licence,

@@ -6,12 +6,12 @@
 
 /* Result of a requirement. */
 typedef struct opc_verdict {
-  size_t point;       /* point of a sweep, from 1; 0: the whole run */
+  size_t point;       /* point of a sweep, from 1; 0 if not of a point */
   char *path;         /* "step.largest" */
   char *required;     /* "at most 1 %" */
-  char *unit;         /* NULL: none */
-  double least, most; /* infinite: no bound */
-  double value;       /* NAN: not measured */
+  char *unit;         /* may be NULL */
+  double least, most; /* infinite without a bound */
+  double value;       /* NAN if not measured */
   gboolean kept;      /* `value` meets the requirement */
   opc_place at;       /* owns its `file` */
 } opc_verdict;

@@ -12,10 +12,10 @@
 
 typedef struct opc_outcome {
   char *folder;  /* run folder; NULL if no files were kept */
-  char *failure; /* why a step failed; NULL: no failure */
+  char *failure; /* why a step failed; NULL if no step failed */
   GDateTime *started;
   double total;      /* seconds */
-  double *seconds;   /* one per step; NAN: not run */
+  double *seconds;   /* one per step; NAN if not run */
   double *processor; /* processor seconds, one per step */
   GPtrArray *tables; /* opc_table * */
   GArray *metrics;   /* opc_inner_metric */
@@ -23,7 +23,7 @@ typedef struct opc_outcome {
   opc_findings findings;
   GPtrArray *verdicts; /* opc_verdict * */
   opc_histories histories;
-  const opc_sweep *sweep; /* NULL: none */
+  const opc_sweep *sweep; /* may be NULL */
   opc_table *points;      /* parameters and metrics of all points of a sweep */
   size_t failed_points;   /* including failed points of inner flows */
   int points_code;        /* OPC_LIMIT if all failed points have this code, else
@@ -51,8 +51,8 @@ typedef struct opc_manifest {
   const opc_outcome *outcome;
   const opc_flow *flow;
   const opc_registry *registry;
-  opc_store *store;           /* NULL: none */
-  const char *const *command; /* NULL: none */
+  opc_store *store;           /* may be NULL */
+  const char *const *command; /* may be NULL */
 } opc_manifest;
 
 JsonNode *opc_manifest_json(const opc_manifest *manifest);

@@ -20,14 +20,14 @@ typedef struct opc_levels {
      selects all steps. */
   gboolean *(*needed)(const void *data, const opc_flow *flow);
   const void *data;
-  gboolean one_folder; /* 1: file names must be unique over all levels */
+  gboolean one_folder; /* file names must be unique over all levels */
   const char *folder;  /* contains the folder .1 of level 1, and so on */
   /* ---- set by the functions below ---- */
   unsigned depth;          /* number of the last level */
-  opc_run **runs;          /* one per level; NULL: the level has no steps */
-  opc_problems **failures; /* one per level; NULL: the level did not run */
+  opc_run **runs;          /* one per level; NULL if the level has no steps */
+  opc_problems **failures; /* one per level; NULL if the level did not run */
   guint *at;               /* one per level: index of the value of its axis */
-  opc_run *last;           /* run of level `depth`; NULL: none started */
+  opc_run *last;           /* run of level `depth`; NULL if not started */
 } opc_levels;
 
 /* Set up the levels above `trunk` and exclude the steps of other levels from

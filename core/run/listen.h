@@ -5,7 +5,7 @@
 #include "core/run/run.h"
 
 /* Start to keep the findings of the run's instances and to pass all messages to
-   `to` (NULL: none). */
+   `to` (may be NULL). */
 void opc_listen(opc_run *run, const opc_watch *to);
 
 /* Detach the instances that outlive the run: their messages are dropped. */

@@ -24,7 +24,7 @@ typedef struct keeper {
   opc_run *run;
   const opc_flow_step *step;
   const char *path; /* path of the instance relative to the step */
-  char **names;     /* [count], names of the pieces in the store; NULL: not
+  char **names;     /* [count], names of the pieces in the store; NULL if not
                        stored */
   size_t found,
       worked; /* number of results found in the store; number computed here */

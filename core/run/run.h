@@ -11,13 +11,12 @@
 #include "core/run/key.h"
 
 typedef struct opc_run_options {
-  const char *output; /* NULL: runs/NAME, or the first free NAME-2 ... */
+  const char *output; /* if NULL, runs/NAME or the first free NAME-2 ... */
   gboolean force;     /* replace an earlier run */
   gboolean keep;      /* keep the files of each point of a sweep */
   const char *const *command; /* for the manifest; may be NULL */
-  opc_store *store; /* earlier results; NULL: nothing is reused or stored */
-  const ranks_group *ranks; /* ranks that share the run; NULL: this process
-                               alone */
+  opc_store *store;           /* earlier results; NULL for no reuse */
+  const ranks_group *ranks;   /* ranks that share the run, or NULL */
 } opc_run_options;
 
 /* Message of a step, replayed when its result is reused. */
@@ -32,10 +31,10 @@ typedef struct opc_listener {
                           `to` */
   const opc_watch *to; /* receiver of the messages */
   GMutex lock;         /* guards findings, `messages` and `piece` */
-  size_t point;        /* running point of a sweep; 0: none */
+  size_t point;        /* running point of a sweep, or 0 */
   gboolean silent;     /* a step runs again only to make its outputs */
-  GPtrArray *messages; /* opc_message * of the running step; NULL: too many */
-  GPtrArray *piece;    /* opc_message * of the running piece; NULL: none */
+  GPtrArray *messages; /* opc_message * of the running step; NULL if too many */
+  GPtrArray *piece;    /* opc_message * of the running piece, or NULL */
 } opc_listener;
 
 /* publish.c: files that instances write. */
@@ -52,7 +51,7 @@ typedef struct opc_written {
 /* inputs.c: checksums of the files read. */
 typedef struct opc_sums {
   GHashTable *summed; /* path -> SHA-256 */
-  GHashTable *known;  /* `summed` of another run; NULL: none */
+  GHashTable *known;  /* `summed` of another run, or NULL */
 } opc_sums;
 
 /* reuse.c: results in the store. */
@@ -74,8 +73,8 @@ struct opc_run {
   gboolean *left_out;      /* one per step: the step does not run in this run */
   opc_run *main;           /* run that contains this run; NULL if none does */
   const opc_flow_step *at; /* running step */
-  gint64 deadline; /* time limit of the running step on the monotonic clock, us;
-                      0: none */
+  gint64 deadline; /* time limit of the running step on the monotonic clock, us,
+                      or 0 */
   gboolean apart;  /* the running step runs in this rank only */
   opc_outcome out;
   opc_listener listener;

@@ -13,8 +13,8 @@
 OPC_C_BEGIN
 
 typedef struct opc_command {
-  const char *arguments; /* shown in the help text: "RUN ..."; NULL: no
-                            arguments */
+  const char *arguments; /* shown in the help text: "RUN ..."; NULL if there are
+                            no arguments */
 
   /* Run the command on `n` arguments. Returns the exit code; on failure *error
      is filled. [main] */

@@ -35,9 +35,9 @@ OPC_C_BEGIN
 /* A swept parameter. Valid until the instance is cleared. */
 typedef struct opc_inner_axis {
   const char *path; /* "mask.synthesizer.fragment" */
-  const char *unit; /* NULL: plain numbers or texts */
+  const char *unit; /* NULL for plain numbers and texts */
   size_t count;
-  const double *values; /* in `unit`; NULL: values are not numbers of one
+  const double *values; /* in `unit`; NULL if the values are not numbers of one
                            unit */
   const char *const
       *texts; /* values as written in the flow, or names of layers, which are
@@ -93,11 +93,11 @@ typedef struct opc_inner_service {
      `run`. Returns 0, or an error code with *error filled. */
   int (*begin)(const opc_host *host, opc_error *error);
 
-  /* Run the remaining steps at a point. `keep` 1: keep the written files, in a
-     folder with the name of the calling step; `keep` 0: keep the files only if
-     the user keeps all points. The call counts as `share` points of progress.
-     Returns OPC_CANCELLED if the user stops the run. After any other failure,
-     further points may be run. */
+  /* Run the remaining steps at a point. If `keep` is 1, keep the written files
+     in a folder with the name of the calling step; if `keep` is 0, keep the
+     files only if the user keeps all points. The call counts as `share` points
+     of progress. Returns OPC_CANCELLED if the user stops the run. After any
+     other failure, further points may be run. */
   int (*run)(const opc_host *host, size_t point, int keep, size_t share,
              opc_error *error);
 

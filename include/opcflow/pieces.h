@@ -39,7 +39,7 @@ typedef struct opc_pieces {
   const char *(*key)(void *data, size_t i);
 
   /* Return the relative cost of unit i, equal in every process; units of high
-     cost start first. NULL: all costs are equal. */
+     cost start first. NULL if all costs are equal. */
   double (*cost)(void *data, size_t i);
 
   /* Compute unit i and append the result to `out`, at most 2^30 bytes, in the
@@ -53,7 +53,7 @@ typedef struct opc_pieces {
               opc_error *error);
 
   /* Receive the number of units that all processes have finished, to report the
-     progress by host->progress. NULL: not needed. */
+     progress by host->progress. May be NULL. */
   void (*done)(void *data, size_t done);
   OPC_MAY_GROW
 } opc_pieces;

@@ -140,11 +140,11 @@ typedef struct opc_parameter {
   const char *choices; /* words, separated by | */
   const char *summary; /* one line, no full stop */
   size_t offset, width, given;
-  const char *former; /* earlier names, separated by |; their use is reported.
-                         NULL: none */
-  /* Expression of the derived default of an OPC_REAL without `preset`, for
-     example "0.155 lambda/NA". The host only shows the expression as the
-     default; the plugin computes the value (opcflow/follow.h). NULL: none. */
+  const char *former; /* earlier names, separated by |, or NULL; the use of an
+                         earlier name is reported */
+  /* Expression of the derived default of an OPC_REAL without `preset`, or NULL,
+     for example "0.155 lambda/NA". The host only shows the expression as the
+     default; the plugin computes the value (opcflow/follow.h). */
   const char *follows;
   OPC_MAY_GROW
 } opc_parameter;
@@ -167,7 +167,7 @@ enum { OPC_NEUTRAL = 0, OPC_LOWER = 1, OPC_HIGHER = 2 };
 
 typedef struct opc_metric {
   const char *name;
-  const char *unit; /* NULL: a plain number */
+  const char *unit; /* NULL for a plain number */
   uint32_t better;
   double tolerance; /* in `unit`; smaller differences between two runs are
                        insignificant */
@@ -202,8 +202,8 @@ typedef struct opc_column {
   const char *name;
   const char *unit;
   uint32_t type;
-  int32_t
-      decimals; /* number of decimals of an OPC_REAL; -1: shortest exact form */
+  int32_t decimals; /* number of decimals of an OPC_REAL; -1 for the shortest
+                       exact form */
   const void *data;
   OPC_MAY_GROW
 } opc_column;
@@ -296,11 +296,11 @@ typedef struct opc_plugin {
      little time. The content of files is not checked here. Fields of inputs are
      NULL. The host calls this function for every command that reads the flow,
      such as `opcflow check`. Returns 0, or an error code with *error filled.
-     NULL: nothing to do. [main] */
+     NULL if the plugin needs no check. [main] */
   int (*check)(void *self, opc_error *error);
 
   /* Release the resources of the instance before the host frees it; also called
-     after a failed `check`. NULL: nothing to do. [main] */
+     after a failed `check`. NULL if there is nothing to release. [main] */
   void (*clear)(void *self);
 
   /* The kind's struct of functions, and the size of that struct in the

@@ -27,9 +27,9 @@ typedef struct opc_port {
 /* Expected resources of a step's run. The texts are shown to the user, one line
    each; they may be empty. */
 typedef struct opc_forecast {
-  double memory;  /* peak memory without the inputs, bytes; 0: unknown. Estimate
-                     low rather than high: the host refuses a step that needs
-                     more memory than is available */
+  double memory;  /* peak memory without the inputs, bytes; 0 if unknown.
+                     Estimate low rather than high: the host refuses a step that
+                     needs more memory than is available */
   char work[200]; /* "at least 36 simulations of 2048 x 1024 points" */
   char help[200]; /* how to reduce the cost: "a smaller 'na'" */
   OPC_MAY_GROW
@@ -65,8 +65,8 @@ typedef struct opc_step {
 
   /* Estimate the resources of `run`, with all inputs available; *out is filled
      with zeros by the host. May log warnings, and may fail for the same reasons
-     as `run`. Called before `run` and by `opcflow check`. NULL: no estimate.
-     [main] */
+     as `run`. Called before `run` and by `opcflow check`. NULL for a step
+     without an estimate. [main] */
   int (*forecast)(void *self, opc_forecast *out, opc_error *error);
   uint32_t flags; /* OPC_STEP_* */
 
@@ -84,8 +84,8 @@ typedef struct opc_step {
   /* For steps without OPC_STEP_LIGHT: make stand-ins of the outputs in less
      than a second, such as a layout with all layers and few shapes. The objects
      are valid for their kinds. `opcflow check` then asks later steps for their
-     forecasts. May fail for the same reasons as `run`. NULL: later steps are
-     not asked. [main] */
+     forecasts. May fail for the same reasons as `run`. If NULL, later steps
+     make no forecasts. [main] */
   int (*sketch)(void *self, void **outputs, opc_error *error);
   OPC_MAY_GROW
 } opc_step;

@@ -11,7 +11,7 @@
 
 typedef struct metrics {
   const opc_host *host;
-  const char *step; /* NULL: all steps */
+  const char *step; /* NULL for all steps */
 } metrics;
 
 /* Rows of the table: each metric with a value for each run. */

@@ -23,7 +23,7 @@
 enum { STACK = 32768, MOST_RUNS = 10000 };
 
 static pid_t guarded; /* guarded process; 0 if none */
-static int forked;    /* 1: this process is a fork of the guarded one */
+static int forked;    /* 1 if this process is a fork of the guarded one */
 
 /* ---- the message and the folder ---- */
 
@@ -168,7 +168,7 @@ typedef struct worker {
   const char *inside;  /* plugin that runs in the thread; NULL for the
                           command */
   const char *suspect; /* plugin that ran since the last check; NULL if none */
-  int waits;           /* 1: waits for tasks of other threads */
+  int waits;           /* 1 if the thread waits for tasks of other threads */
   struct worker *next;
 } worker;
 
@@ -232,7 +232,7 @@ static void blame_all(const char *id, const char *what, const char *detail) {
 static _Thread_local char stack[STACK];
 static _Thread_local int has_stack;
 
-/* 1: the plugin in `me.inside` started this thread. */
+/* 1 if the plugin in `me.inside` started this thread. */
 static _Thread_local int adopted;
 
 static void give_stack(void) {

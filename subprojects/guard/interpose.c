@@ -184,8 +184,8 @@ static void *thread_begin(void *data) {
    thread. */
 enum { GUARD = 1 << 20 };
 
-/* Return a copy of `how` (NULL: default attributes) with an inaccessible area
-   of at least GUARD bytes. */
+/* Return a copy of `how`, or of the default attributes if NULL, with an
+   inaccessible area of at least GUARD bytes. */
 static pthread_attr_t attributes_guarded(const pthread_attr_t *how) {
   pthread_attr_t own;
   size_t guard = 0;

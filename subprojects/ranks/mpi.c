@@ -13,13 +13,13 @@
 
 static int own; /* rank */
 static int (*is_stopped)(void);
-static int over;        /* 1: do not wait for other ranks */
+static int over;        /* 1 if this rank no longer waits for other ranks */
 static MPI_Comm asking; /* communicator of the requests for the counter */
 static pthread_mutex_t lock =
     PTHREAD_MUTEX_INITIALIZER; /* one MPI call at a time */
 static pthread_t server;
 static int64_t turns; /* the shared counter, atomic; of rank 0 */
-static int ended;     /* 1: the serving thread ends; protected by the lock */
+static int ended;     /* 1 to end the serving thread; protected by the lock */
 
 /* ---- waiting ---- */
 

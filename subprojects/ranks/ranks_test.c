@@ -23,7 +23,7 @@ static void assert_true(int good, const char *text) {
 /* ---- units whose results are known ---- */
 
 typedef struct table {
-  char done[UNITS];     /* 1: this rank computed the unit */
+  char done[UNITS];     /* 1 if this rank computed the unit */
   size_t next, largest; /* next unit to take; largest argument of done() */
   size_t faulty;        /* index of the faulty unit; UNITS if no unit is
                            faulty */

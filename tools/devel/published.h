@@ -10,8 +10,8 @@
 typedef struct opc_published_metric {
   const char *name;
   double value;
-  const opc_metric *declared; /* declaration; NULL: published by a host without
-                                 a plugin */
+  const opc_metric *declared; /* declaration; NULL if a host without a plugin
+                                 published the metric */
 } opc_published_metric;
 
 typedef struct opc_published {

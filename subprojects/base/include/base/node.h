@@ -9,8 +9,8 @@
 /* Origin of nodes. */
 typedef struct opc_source {
   char *name;   /* for messages: "flow.yaml", "--set first.width" */
-  char *folder; /* folder of relative file names; NULL: the source is an
-                   argument of the command, and has no line numbers */
+  char *folder; /* folder of relative file names; NULL if the source is an
+                   argument of the command and has no line numbers */
   char *layer;  /* "variant epe", "sweep"; NULL for the file itself */
 } opc_source;
 

@@ -40,5 +40,5 @@ int opc_folder_close(opc_folder *folder, const char *target, gboolean replace,
                      gboolean number, char **got, opc_error *error);
 
 /* Remove the slot with all contents, unless folder->kept is set, and free the
-   struct (NULL: do nothing). */
+   struct. `folder` may be NULL. */
 void opc_folder_free(opc_folder *folder);

@@ -23,7 +23,7 @@ typedef struct opc_store opc_store;
    names a folder with files but without the marker `opcflow-store`, or if a
    subfolder is a symbolic link. A read-only folder is accepted. */
 opc_store *opc_store_open(opc_error *error);
-/* Free the store (NULL: do nothing). If values were stored, first remove the
+/* Free the store, which may be NULL. If values were stored, first remove the
    least recently used values beyond the limit. */
 void opc_store_close(opc_store *store);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_store, opc_store_close)
@@ -105,8 +105,8 @@ char *opc_store_sum(opc_store *store, const char *path,
    process last called opc_store_sum for the file. */
 gboolean opc_store_same(opc_store *store, const char *path, const char *sum);
 
-/* Return the checksum of the shared object that contains `address` (NULL: of
-   the program) and of all shared objects that the object needs. NULL if an
+/* Return the checksum of the shared object that contains `address`, or of the
+   program if NULL, and of all shared objects that the object needs. NULL if an
    object cannot be read. The text is valid until the process ends. `store` may
    be NULL. */
 const char *opc_store_build(opc_store *store, const void *address);
