@@ -346,7 +346,7 @@ static void test_comparison(void) {
   g_assert_cmpint(
       CALL(command, "new", "comparison", "--process", "base.yaml", cell), ==,
       2);
-  g_assert_nonnull(strstr(err, "has no mask.litho: it is no process"));
+  g_assert_nonnull(strstr(err, "has no mask.litho, which a process requires"));
   g_assert_cmpint(CALL("test", "-e", "comparison.yaml"), ==, 1);
 }
 

@@ -9,14 +9,14 @@ static gboolean json, quick;
 static const cli_option options[] = {
     {"set", "parameter value that replaces that of the flow",
      "STEP.PARAMETER=VALUE", .list = &sets},
-    {"variant", "only this variant, 'base' or 'all'", "NAME",
+    {"variant", "variant to check, 'base' for none, or 'all'", "NAME",
      .list = &variants},
-    {"sweep", "parameter values to check as well", "STEP.PARAMETER=[...]",
+    {"sweep", "further parameter values to check", "STEP.PARAMETER=[...]",
      .list = &sweeps},
     {"quick",
      "skip reading inputs and asking steps for their required resources",
      .flag = &quick},
-    {"json", "list of problems also as JSON", .flag = &json},
+    {"json", "print the result as JSON", .flag = &json},
     {0}};
 
 /* Print each message of the instances once, also if several variants log it. */

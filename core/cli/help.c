@@ -62,8 +62,8 @@ static int run_version(const cli_verb *verb, const GPtrArray *arguments) {
   return CLI_GOOD;
 }
 
-static const cli_option version_options[] = {{"json", "as JSON", .flag = &json},
-                                             {0}};
+static const cli_option version_options[] = {
+    {"json", "print the version as JSON", .flag = &json}, {0}};
 
 const cli_verb cli_version = {.name = "version",
                               .arguments = "",

@@ -54,9 +54,9 @@ static const char *taken; /* text of --plugin-path, never read:
 const cli_option cli_common_options[] = {
     {"plugin-path", "folder to search first for plugins", "DIR",
      .text = &taken},
-    {"wide", "tables with all columns side by side, and all digits",
+    {"wide", "print tables with all columns side by side and all digits",
      .flag = &cli_wide},
-    {"help", "show this", .flag = &help},
+    {"help", "show this help", .flag = &help},
     {"version", "print the version", .flag = &version},
     {0}};
 

@@ -23,7 +23,7 @@ static gboolean steps = TRUE;       /* report steps and progress */
 static const cli_option options[] = {
     {"set", "parameter value that replaces that of the flow",
      "STEP.PARAMETER=VALUE", .list = &sets},
-    {"variant", "variant of the flow, 'base' or 'all'", "NAME",
+    {"variant", "variant to run, 'base' for none, or 'all'", "NAME",
      .list = &variants},
     {"sweep", "parameter values, one run for each", "STEP.PARAMETER=[...]",
      .list = &sweeps},

@@ -282,8 +282,8 @@ const cli_verb *cli_plugin_verb(const char *name, opc_error *error) {
       {"threads", "number of threads (default: number of processors)", "N",
        .text = &threads},
       {"table", "print only this table", "NAME", .text = &wanted},
-      {"csv", "tables as CSV", .flag = &csv},
-      {"markdown", "tables as Markdown", .flag = &markdown},
+      {"csv", "print tables as CSV", .flag = &csv},
+      {"markdown", "print tables as Markdown", .flag = &markdown},
       {"json", "print the result as JSON", .flag = &json}};
   static cli_verb verb;
   static GArray *options;

@@ -139,8 +139,9 @@ char *comparison_text(const char *template, const char *process,
     if (i % 2 == 0) {
       g_string_append(out, parts[i]);
     } else if (!append_word(out, parts[i], flow, process, inputs)) {
-      *code = cli_error(CLI_USAGE, "'%s' has no %s: it is no process", process,
-                        strcmp(parts[i], "CASES") ? parts[i] : "open file");
+      *code = cli_error(
+          CLI_USAGE, "'%s' has no %s, which a process requires", process,
+          strcmp(parts[i], "CASES") ? parts[i] : "unset input file");
       g_string_free(out, TRUE);
       return NULL;
     }

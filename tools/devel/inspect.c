@@ -216,7 +216,8 @@ static void print_json(const opc_plugin *plugin, const char *path) {
 
 static gboolean json;
 
-static const cli_option options[] = {{"json", "as JSON", .flag = &json}, {0}};
+static const cli_option options[] = {
+    {"json", "print the result as JSON", .flag = &json}, {0}};
 
 static int inspect_run(const cli_verb *verb, const GPtrArray *arguments) {
   (void)verb;

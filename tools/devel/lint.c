@@ -244,10 +244,10 @@ static gboolean json, strict;
 static const char *parameters = "{}";
 
 static const cli_option options[] = {
-    {"with", "parameters, as in a flow", "{ PARAMETER: VALUE }",
+    {"with", "parameters of the plugin, as in a flow", "{ PARAMETER: VALUE }",
      .text = &parameters},
     {"strict", "fail if a check was skipped", .flag = &strict},
-    {"json", "as JSON", .flag = &json},
+    {"json", "print the result as JSON", .flag = &json},
     {0}};
 
 static int lint_verb_run(const cli_verb *verb, const GPtrArray *arguments) {

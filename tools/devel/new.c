@@ -27,8 +27,8 @@ static const cli_option options[] = {
      .text = &wanted},
     {"language", "language of the plugin: c (default) or python", "LANGUAGE",
      .text = &language},
-    {"process", "a flow or comparison that extends this one and works on INPUT",
-     "NAME", .text = &process},
+    {"process", "process flow that the new flow or comparison extends", "NAME",
+     .text = &process},
     {"json", "print the files as JSON", .flag = &json},
     {0}};
 

@@ -55,7 +55,7 @@ static gboolean failed, json;
 static const cli_option options[] = {
     {"failed", "list plugins that cannot be used, with the reasons",
      .flag = &failed},
-    {"json", "as JSON", .flag = &json},
+    {"json", "print the result as JSON", .flag = &json},
     {0}};
 
 static int plugins_run(const cli_verb *verb, const GPtrArray *arguments) {
