@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Measures the error of images and edges relative to those of finer
-   settings. */
+/* Measures the error of images and edges relative to images and edges with
+   finer settings. */
 #include "bench/bench.h"
 #include "bench/lines.h"
 
@@ -123,8 +123,9 @@ static eda_field lines_print(const char *parameters, const eda_shapes *s,
   return field;
 }
 
-/* The reference of all kernels deviates by 6e-5 from the double sum over T on
-   these lines, so the goals are the stated errors and 6e-5. */
+/* The reference, the sum over all kernels, deviates by 6e-5 from Hopkins'
+   double sum over the transmission cross coefficients on these lines. Each goal
+   of the intensity is therefore the stated error plus 6e-5. */
 static void bench_error(void) {
   eda_shapes s = lines_shapes(6000);
   eda_frame f = lines_frame(6000);

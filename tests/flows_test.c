@@ -71,7 +71,7 @@ static void test_resolved(void) {
    of the time. */
 #define LIGHT "--set", "mask.fine=1e-3", "--set", "mask.margin=1 um"
 
-/* Settings of an emulated run, without the picture. */
+/* Settings of a run on an emulated processor, without the step that draws. */
 #define SHORT LIGHT, "--set", "picture=~"
 
 /* Byte-identical results for any number of threads. */

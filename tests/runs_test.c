@@ -100,7 +100,7 @@ static void test_findings_of_points(void) {
 
 /* ---- required bounds ---- */
 
-/* a.sum is 69 nm and b.sum is 75 nm. Tests bounds on both metrics. */
+/* a.sum is 69 nm and b.sum is 75 nm. Bounds on both metrics are tested. */
 static void test_bounds(void) {
   static const struct {
     const char *bound, *text; /* text of a violated bound; NULL if the bound is
@@ -231,7 +231,8 @@ static void test_not_measured(void) {
       "--set require.b.sum: 'b.sum' has no value, expected at most 100 nm\n");
 }
 
-/* Requirements are checked at each point; those on shared steps once. */
+/* Requirements are checked at each point; requirements on shared steps are
+   checked once. */
 static void test_require_of_points(void) {
   g_autoptr(JsonNode) file = NULL;
   g_assert_cmpint(

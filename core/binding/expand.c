@@ -26,7 +26,7 @@ typedef struct expander {
   opc_problems *problems;
   int depth; /* nesting depth of lists */
   GPtrArray *layers, *names, *variants;
-  GHashTable *known; /* name -> its layer */
+  GHashTable *known; /* name -> opc_node * of the layer */
 } expander;
 
 /* An element of the value of an axis, which may expand into several layers. */

@@ -73,8 +73,8 @@ extern const cli_verb cli_run, cli_check, cli_version, cli_help;
   .name = "complete", .arguments = "LINE", \
   .summary = "Print completions of a command line", .hidden = TRUE
 
-/* Verbs of the program, NULL-terminated, hidden ones last. Each program defines
-   this array. */
+/* Verbs of the program, NULL-terminated, hidden verbs last. Each program
+   defines this array. */
 extern const cli_verb *const cli_verbs[];
 
 /* Run the verb named on a command line and return the exit code. */
@@ -146,7 +146,8 @@ void cli_take_plugin_path(guint n, char **words);
 /* Make `folder` the first folder of the search. Call before cli_registry. */
 void cli_look_first(const char *folder);
 
-/* Return the registry of the folders of --plugin-path and the standard ones. */
+/* Return the registry of the folders of --plugin-path and of the standard
+   folders. */
 opc_registry *cli_registry(void);
 
 /* Longest time for loading one plugin, s. */

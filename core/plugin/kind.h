@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kinds of plugins: step, command, kind and loader are built in, the others are
-   declared by plugins "kind.NAME" (opcflow/kind.h). */
+/* Kinds of plugins: step, command, kind and loader are built in; plugins
+   "kind.NAME" declare all other kinds (opcflow/kind.h). */
 #pragma once
 
 #include "core/plugin/registry.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests of the search for plugins and of the messages about unusable ones. */
+/* Tests of the search for plugins and of the messages about unusable
+   plugins. */
 #include "core/plugin/registry.h"
 
 #include <base/file.h>

@@ -188,7 +188,7 @@ static gint compare_metrics(gconstpointer a, gconstpointer b, gpointer data) {
 }
 
 /* Add to a run the metrics, findings, histories, times and files of the steps
-   that it shares with lower levels. */
+   that the run shares with lower levels. */
 static void take_shared(const opc_levels *levels, opc_run *run,
                         opc_problems *problems) {
   opc_error error;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Keeps the messages of a run's instances and passes all of them on. */
+/* Records findings and warnings of a run's instances, and passes on all
+   messages. */
 #include "core/run/listen.h"
 #include "core/binding/lookup.h"
 

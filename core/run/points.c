@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Runs points one after another and collects them in a table. */
+/* Runs points one after another; collects their parameters and metrics in a
+   table. */
 #include "core/run/points.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Runs a flow at the points of a sweep: steps that no axis changes run once, in
-   the trunk, the others at each point. */
+   the trunk (levels.h); other steps run at each point. */
 #pragma once
 
 #include "core/run/levels.h"

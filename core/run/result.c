@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Packs the effects of a step besides its outputs (files, tables, metrics and
-   warnings) as one value, so that they can be replayed without the step. */
+   warnings) as one value, so that the effects can be repeated without the
+   step. */
 #include <string.h>
 #include <sys/stat.h>
 

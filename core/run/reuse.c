@@ -265,7 +265,8 @@ static gboolean step_restore(opc_run *run, const opc_flow_step *step) {
   return !code;
 }
 
-/* Run a step again for its outputs, silently and in a temporary folder. */
+/* Run a step again to make the outputs, without messages, in a temporary
+   folder. */
 static gboolean run_again(opc_run *run, const opc_flow_step *step,
                           const char *whom, opc_problems *problems) {
   char *work = run->written.work;
@@ -326,7 +327,7 @@ gboolean opc_reuse_provide(opc_run *run, const opc_flow_step *step,
     run->objects[n] = run->kept.base->objects[its->number];
     return good;
   }
-  /* If only some ranks hold the outputs, the others proceed alone. */
+  /* If only some ranks hold the outputs, the other ranks proceed alone. */
   gboolean any, before = run->apart;
   if (do_all(opc_run_ranks(run), run->objects[n] != NULL, &any)) return TRUE;
   run->apart = before || any;

@@ -75,7 +75,8 @@ void opc_run_free(opc_run *run) {
 
 /* ---- ranks ---- */
 
-/* Steps of inner flows are not distributed: each rank runs them alone. */
+/* Steps of inner flows are not distributed: each rank runs these steps
+   alone. */
 const ranks_group *opc_run_ranks(const opc_run *run) {
   for (const opc_run *r = run; r; r = r->main)
     if (r->apart || (r->main && r->main->at)) return NULL;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The state of a run: a flow under execution with its published files, messages
-   and stored results. Each part of the struct belongs to the file named above
-   it. */
+   and stored results. The comment above each part names the file that maintains
+   the part. */
 #pragma once
 
 #include <opcflow/step.h>
@@ -19,7 +19,7 @@ typedef struct opc_run_options {
   const ranks_group *ranks;   /* ranks that share the run, or NULL */
 } opc_run_options;
 
-/* Message of a step, replayed when its result is reused. */
+/* Message of a step, logged again when the result of the step is reused. */
 typedef struct opc_message {
   int level;
   char *path, *text;

@@ -4,10 +4,11 @@
 
    A step has an inner flow if a parameter of the type OPC_FILE carries
    OPC_INNER_FLOW and names a flow file. A step of an inner flow may have an
-   inner flow of its own, but not a third one inside. The optional parameters
-   `variant` (OPC_TEXT), `set` and `sweep` (OPC_MAP with OPC_MAP_OF_ANY) of the
-   step change that flow. Before the step's own `check`, the host reads the
-   inner flow, creates its plugins and checks them at each swept value.
+   inner flow of its own, but no deeper nesting is possible. The optional
+   parameters `variant` (OPC_TEXT), `set` and `sweep` (OPC_MAP with
+   OPC_MAP_OF_ANY) of the step change that flow. Before the step's own `check`,
+   the host reads the inner flow, creates its plugins and checks them at each
+   swept value.
 
    A parameter with OPC_INNER_AXIS is an axis whose values are layers. A layer
    is a set of changes to the inner flow: a variant, or a map of paths and

@@ -38,8 +38,8 @@ struct opc_inspector {
 /* A file of a new plugin, written by `opcflow new plugin KIND.NAME`. In `name`
    and `text`, the host replaces @ID@ by the id of the plugin and @NAME@ by the
    last word of the id. Names of files of plugins in Python begin with
-   "python/", names of files for all languages with "all/"; other files are
-   those of C. */
+   "python/", names of files for all languages with "all/"; other files belong
+   to plugins in C. */
 typedef struct opc_template {
   const char *name; /* "@ID@.c" */
   const char *text;

@@ -33,8 +33,8 @@ typedef struct opc_results {
      build of the plugin. */
   void *(*find)(const opc_host *host, const char *key, size_t *size);
 
-  /* Store bytes under `key` and replace those stored before. If this fails, the
-     host informs the user and the caller continues. */
+  /* Store bytes under `key` and replace earlier bytes. If this fails, the host
+     informs the user and the caller continues. */
   void (*keep)(const opc_host *host, const char *key, const void *bytes,
                size_t size);
   OPC_MAY_GROW

@@ -18,14 +18,14 @@ typedef struct opc_port {
      arrays. Returns 0, or an error code with *error filled. [main] */
   int (*check)(const void *object, opc_error *error);
 
-  /* Free the object. Called before `clear` of the instance that made it.
-     [main] */
+  /* Free the object. Called before `clear` of the instance that made the
+     object. [main] */
   void (*release)(void *object);
   OPC_MAY_GROW
 } opc_port;
 
 /* Expected resources of a step's run. The texts are shown to the user, one line
-   each; they may be empty. */
+   each; a text may be empty. */
 typedef struct opc_forecast {
   double memory;  /* peak memory without the inputs, bytes; 0 if unknown.
                      Estimate low rather than high: the host refuses a step that

@@ -45,7 +45,7 @@ void cli_message(const char *kind, const char *format, ...) {
 
 enum {
   FIRST_OWN = 100
-}; /* first descriptor used here; lower ones are left to other code */
+}; /* first descriptor used here; lower descriptors are left to other code */
 
 static FILE *out;
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Collection of problems: duplicates are dropped, the others sorted and
-   formatted. */
+/* Collects problems, merges lists without duplicates, and sorts and formats
+   problems. */
 #include <base/problem.h>
 #include <base/shown.h>
 #include <string.h>

@@ -317,7 +317,7 @@ static void parent_note(const char *id) {
     text_copy(parent, sizeof parent, id);
 }
 
-/* End the processes that plugins left, and report them. */
+/* End the processes that plugins left running, and report the plugin. */
 static void children_end(void) {
   siginfo_t info;
   int has;
@@ -453,8 +453,8 @@ static int is_foreign(const siginfo_t *info) {
   return sent && info->si_pid != getpid();
 }
 
-/* Set `list` to the plugins that may have damaged the memory: those called
-   before, except `id`. Return their number. */
+/* Set `list` to the plugins that may have damaged the memory: the plugins
+   called before, except `id`. Return their number. */
 static int add_called(char *list, size_t capacity, const char *id) {
   int n = 0, all = n_called < MOST_CALLED ? n_called : MOST_CALLED;
   for (int i = 0; i < all; i++)

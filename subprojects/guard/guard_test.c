@@ -83,7 +83,7 @@ static void exceed_limit(void) {
   for (;;) pause();
 }
 
-/* Limits that have ended do not act. */
+/* A time limit has no effect after stop_limit_end. */
 static void keep_limits(void) {
   stop_limit outer, inner;
   stop_on_signals(9);

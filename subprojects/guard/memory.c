@@ -80,6 +80,7 @@ double memory_free(const char **source) {
     least = all[i].bytes;
     *source = all[i].source;
   }
-  /* Add freed memory that malloc keeps: the kernel counts it as used. */
+  /* Add freed memory that malloc keeps: the kernel counts this memory as
+     used. */
   return fmax(least, 0) + (double)mallinfo2().fordblks;
 }

@@ -19,8 +19,8 @@ enum {
   STREAMS = 3,
   SIGNALS = 20,         /* at least as many as process_signals has */
   LONGEST_LOCALE = 512, /* "LC_CTYPE=...;LC_NUMERIC=...", all categories */
-  FIRST_OWN = 100       /* first descriptor of the guard; lower ones are left to
-                           plugins */
+  FIRST_OWN = 100       /* first descriptor of the guard; lower descriptors are
+                           left to plugins */
 };
 
 const process_signal process_signals[] = {
@@ -149,7 +149,8 @@ const char *process_thread_change(void) {
 
 int process_signals_change(void) { return blocked_now() != settled.blocked; }
 
-/* Return whether a timer is set. Its signal would interrupt another plugin. */
+/* Return whether a timer is set. The signal of the timer would interrupt
+   another plugin. */
 static int has_alarm(void) {
   struct itimerval left;
   getitimer(ITIMER_REAL, &left);

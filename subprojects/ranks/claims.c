@@ -21,8 +21,8 @@ static int unit_is_done(const claimed *c, size_t i) {
   return c->own[i] || u->has(u->data, i);
 }
 
-/* Claim the lowest unit without a result. Return its index, or the number of
-   units if there is none. */
+/* Claim the lowest unit without a result. Return the index of the unit, or the
+   number of units if no unit can be claimed. */
 static size_t unit_claim(const claimed *c) {
   const ranks_units *u = c->units;
   for (size_t i = c->next; i < u->count; i++) {

@@ -18,7 +18,7 @@ static MPI_Comm asking; /* communicator of the requests for the counter */
 static pthread_mutex_t lock =
     PTHREAD_MUTEX_INITIALIZER; /* one MPI call at a time */
 static pthread_t server;
-static int64_t turns; /* the shared counter, atomic; of rank 0 */
+static int64_t turns; /* the counter that rank 0 holds for all ranks; atomic */
 static int ended;     /* 1 to end the serving thread; protected by the lock */
 
 /* ---- waiting ---- */

@@ -6,7 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { UNITS = 40, KEPT = 7 /* rank 1 already has each KEPT-th unit */ };
+enum {
+  UNITS = 40,
+  KEPT = 7 /* rank 1 already has the results of units 0, 7, 14
+              ... */
+};
 
 const ranks_group *ranks_join(int (*stopped)(void));
 static const ranks_group *group;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the data of mask pictures: polygons, contours of the print and a
-   raster image of its level-set function, within size limits. */
+/* Implements the data of mask pictures: polygons, printed contours and a raster
+   image of the level-set function of the poly, within size limits. */
 #include <report/drawing.h>
 
 #include <eda/chip.h>

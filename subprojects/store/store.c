@@ -247,7 +247,7 @@ static int take_entry(void *list, const char *path, const char *name,
   return OPC_OK;
 }
 
-/* List all entries; other processes may remove some meanwhile. */
+/* List all entries; other processes may remove entries at the same time. */
 static GArray *list_entries(const opc_store *store) {
   g_autofree char *folder = g_build_filename(store->folder, "entries", NULL);
   GArray *list = g_array_new(FALSE, FALSE, sizeof(entry));

@@ -285,7 +285,7 @@ static int other_joins(const char *key) {
 }
 
 /* A claim excludes other processes, joining excludes claims only, and a killed
-   process loses both. */
+   process loses claims and joined keys. */
 static void test_claims(void) {
   const char *key = "fedcba9876543210.x", *next = "fedcba9876543220.x";
   opc_store *store = open_store();

@@ -105,7 +105,7 @@ static gboolean group_is_printed(const opc_plugin *plugin, size_t end,
 }
 
 /* Print the parameters and groups whose names begin with `prefix`. Optional
-   ones are comments. */
+   parameters are printed as comments. */
 static void print_level(const opc_plugin *plugin, const char *prefix,
                         int depth) {
   for (size_t i = 0; i < plugin->n_parameters; i++) {

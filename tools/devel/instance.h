@@ -9,7 +9,8 @@ typedef struct opc_making {
   opc_registry *registry; /* for the plugins in slots */
   const opc_plugin *plugin;
   const char *file;             /* value of required file parameters */
-  const char *parameters;       /* in flow syntax; override generated ones */
+  const char *parameters;       /* in flow syntax; override generated
+                                   parameters */
   const opc_parameter *changed; /* parameter to set to `number`, or NULL */
   double number;
   const opc_watch *watch; /* requests to stop a call; may be NULL */

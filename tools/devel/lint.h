@@ -12,7 +12,7 @@ typedef struct opc_lint {
   const char *path; /* shared object, ID.so */
   char *id;
   opc_registry *registry; /* provides kinds, and plugins for slots */
-  const char *parameters; /* in flow syntax; override generated ones */
+  const char *parameters; /* in flow syntax; override generated parameters */
   double seconds;         /* limit without output of a check */
   char *folder;           /* for sample files and output of plugins */
   int alive, cleaner;     /* pipe that ends with this process; process that then
@@ -27,7 +27,8 @@ typedef struct opc_inspection opc_inspection;
 
 typedef struct opc_check {
   const char *name;
-  gboolean works;      /* reports a digest, if `kind` has a test */
+  gboolean works;      /* the check reports a digest of results, if the kind has
+                          a test */
   const char *differs; /* finding if the digest differs from that of the first
                           check; NULL if digests are not compared */
   void (*work)(opc_inspection *in);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* opcflow new: creates a working plugin, a flow or a comparison from templates.
-   The kind of a plugin defines templates; data/templates has those of steps,
-   commands and flows. With --process, the new flow extends a process: a flow
-   without input files. */
+   The kind of a plugin defines templates; data/templates has the templates of
+   steps, commands and flows. With --process, the new flow extends a process: a
+   flow without input files. */
 #include <base/file.h>
 #include <base/suggest.h>
 #include <errno.h>
@@ -166,8 +166,8 @@ static gboolean has_language(const opc_kind *its) {
   return FALSE;
 }
 
-/* Write the built-in templates and those of the kind. Return -1 or the exit
-   code. */
+/* Write the built-in templates and the templates of the kind. Return -1 or the
+   exit code. */
 static int new_plugin(const GPtrArray *arguments) {
   if (arguments->len < 2)
     return cli_error(CLI_USAGE,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* opcflow plugins: prints the usable plugins, or the unusable ones with the
+/* opcflow plugins: prints the usable plugins, or the unusable plugins with the
    reasons. */
 #include "tools/devel/verbs.h"
 

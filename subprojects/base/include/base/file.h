@@ -5,9 +5,10 @@
 #include <glib.h>
 
 /* Return the reason why `path` does not name a regular file, such as "no such
-   file" or "is a pipe, not a regular file"; NULL if it names one. The file is
-   not opened, because opening may block, and permissions are not checked. *size
-   receives the size in bytes unless stat() fails; `size` may be NULL. */
+   file" or "is a pipe, not a regular file"; NULL if `path` names a regular
+   file. The file is not opened, because opening may block, and permissions are
+   not checked. *size receives the size in bytes unless stat() fails; `size` may
+   be NULL. */
 const char *opc_file_fault(const char *path, size_t *size);
 
 /* Return whether a name is a relative path without empty parts, "." and "..".

@@ -12,7 +12,7 @@ typedef struct opc_finding {
   char *text;
 } opc_finding;
 
-/* The first 100 distinct findings, and the number of further ones. */
+/* The first 100 distinct findings, and the number of further findings. */
 typedef struct opc_findings {
   GPtrArray *list; /* opc_finding * */
   size_t more;     /* number of findings not kept, repetitions included */

@@ -37,9 +37,9 @@ gboolean opc_match_choices(const opc_node *node, const GPtrArray *list,
    of the labels of its file names and words. Without a file name, the label is
    the last part of the plugin's id. opc_label_of_map: return the label of the
    first text in a map, otherwise of the first value that has a label. The
-   caller frees both with g_free(). opc_label_add: append '-' and a label to
-   `to`, unless the label is empty or equals the whole text of `to`; the first
-   label has no '-'. */
+   caller frees the labels with g_free(). opc_label_add: append '-' and a label
+   to `to`, unless the label is empty or equals the whole text of `to`; the
+   first label has no '-'. */
 char *opc_label(const opc_node *value);
 char *opc_label_of_map(const opc_node *map);
 void opc_label_add(GString *to, const char *label);

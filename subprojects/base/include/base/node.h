@@ -51,7 +51,8 @@ GPtrArray *opc_node_read_all(const opc_source *source, const char *path,
 
 opc_node *opc_node_text_new(const opc_source *source, const char *text);
 opc_node *opc_node_map_new(const opc_source *source, const opc_place *at);
-/* Return a deep copy, with the origin `source`, or its own if that is NULL. */
+/* Return a deep copy, with the origin `source` or, if `source` is NULL, the
+   origin of `node`. */
 opc_node *opc_node_copy(const opc_node *node, const opc_source *source);
 void opc_node_free(opc_node *node);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_node, opc_node_free)

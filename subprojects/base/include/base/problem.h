@@ -30,8 +30,8 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_problems, opc_problems_free)
 /* Add a copy of a problem and return FALSE. If `place` is NULL, the problem has
    no file. Unprintable characters are written as escapes, and messages of more
    than 1000 bytes are truncated. Only the first 999 problems are kept; the next
-   one is replaced by "further problems are not listed", and later ones are
-   dropped. */
+   problem is replaced by "further problems are not listed", and later problems
+   are dropped. */
 gboolean opc_problem_add(opc_problems *problems, int code,
                          const opc_place *place, const char *format, ...)
     OPC_PRINTF(4, 5);
@@ -53,8 +53,8 @@ void opc_problems_sort(opc_problems *problems);
 /* Return "file:line:column: message", "file: message" or "message" (g_free). */
 char *opc_problem_text(const opc_problem *problem);
 
-/* Sort the problems and return them, one a line, without a final newline; ""
-   for none (g_free). */
+/* Sort the problems and return their texts, one a line, without a final newline
+   (g_free). Without problems, return "". */
 char *opc_problems_text(opc_problems *problems);
 
 /* Return the common code of all problems; OPC_INVALID if the codes differ,

@@ -32,10 +32,10 @@ char *opc_sheet_markdown(opc_sheet *sheet);
 /* Return CSV by RFC 4180, with lines that end with CR LF (g_free).
 
    An apostrophe marks a cell that a spreadsheet would execute: the first
-   character is one of = + - @ and the cell is not a quantity. It also marks a
-   cell that begins with an apostrophe or has control characters other than line
-   breaks. In a marked cell, a backslash is written twice, and a control
-   character as a backslash and xHH.
+   character is one of = + - @ and the cell is not a quantity. An apostrophe
+   also marks a cell that begins with an apostrophe or has control characters
+   other than line breaks. In a marked cell, a backslash is written twice, and a
+   control character as a backslash and xHH.
  */
 char *opc_sheet_csv(const opc_sheet *sheet);
 

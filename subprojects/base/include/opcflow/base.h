@@ -36,7 +36,7 @@ OPC_C_BEGIN
 #define OPC_MAY_GROW
 #endif
 
-/* Result codes. The command maps them to its exit codes. */
+/* Result codes. The command maps these codes to exit codes. */
 enum {
   OPC_OK = 0,
   OPC_INVALID = 1,   /* a parameter or an input is not valid: exit 2 */

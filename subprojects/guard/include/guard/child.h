@@ -18,7 +18,7 @@ enum { CHILD_ENDED = 0, CHILD_LATE = -1, CHILD_NONE = -2 };
 GString *child_run(void (*work)(int out, void *data), void *data,
                    double seconds, int *end);
 
-/* Kill all children of this process, if Linux lists them. */
+/* Kill all children of this process, if Linux lists the children. */
 void child_kill_all(void);
 
 /* Return the time for which the first thread of a process (0: this process) was

@@ -20,7 +20,8 @@ void guard_gather(void);
 const char *guard_join(const char *id);
 void guard_part(const char *before);
 
-/* Record whether this thread waits for tasks of others (1) or works (0). */
+/* Record whether this thread waits for tasks of other threads (1) or works
+   (0). */
 void guard_wait(int waits);
 
 /* Set the running plugin of a thread that the plugin `id` has started. */

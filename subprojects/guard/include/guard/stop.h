@@ -2,9 +2,9 @@
 /* Requests of the user to stop the command. */
 #pragma once
 
-/* Take the first SIGINT, SIGTERM or SIGHUP as a request to stop (SIGHUP unless
-   it is ignored). A second signal, or the end of 0.5 s, ends the process by
-   guard_end(code). [main] */
+/* Take the first SIGINT, SIGTERM or SIGHUP as a request to stop (SIGHUP only if
+   the process does not ignore SIGHUP). A second signal, or the end of 0.5 s,
+   ends the process by guard_end(code). [main] */
 void stop_on_signals(int code);
 
 /* Time limits of nested calls of plugins. A call that exceeds its limit ends

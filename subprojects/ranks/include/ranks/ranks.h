@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Processes that share work units: those of one run, started by mpirun, and
-   independent ones with a common folder of results. The processes of one run
-   are the ranks, counted from 0, which make the same calls in the same order.
-   The object linked to MPI is loaded only for such a run. All functions are
-   [main] (opcflow/plugin.h). */
+/* Processes that share work units: the processes of one run, started by mpirun,
+   or independent processes with a common folder of results. The processes of
+   one run are the ranks, counted from 0, which make the same calls in the same
+   order. The object linked to MPI is loaded only for such a run. All functions
+   are [main] (opcflow/plugin.h). */
 #pragma once
 
 #include <glib.h>
@@ -61,7 +61,7 @@ typedef struct ranks_group {
      in every rank, in ascending order of i. A unit belongs to a rank that has
      the result, or else to the next free rank. A fault of get() ends the
      distribution; every rank returns the fault of the lowest faulty unit. A
-     fault of take() is returned in its rank only. */
+     fault of take() is returned only in the rank that has the fault. */
   int (*share)(const ranks_units *units, opc_error *error);
 
   /* Wait for all ranks unless the run was stopped, and finalise MPI. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Report page: one HTML file with all figures of some runs and the code that
-   draws them. Call all functions on the main thread. */
+   draws the figures. Call all functions on the main thread. */
 #pragma once
 
 #include <glib.h>

@@ -25,10 +25,11 @@ typedef struct opc_histories {
 void opc_histories_init(opc_histories *histories);
 void opc_histories_clear(opc_histories *histories);
 
-/* Count a step, and keep a copy of its history unless 1000 are kept. */
+/* Count a step, and keep a copy of the history unless 1000 histories are
+   kept. */
 void opc_histories_add(opc_histories *histories, const opc_history *history);
 
-/* Insert the histories of another run before the present ones. */
+/* Insert the histories of another run before the present histories. */
 void opc_histories_take(opc_histories *histories, const opc_histories *from);
 
 /* Change the latest history of a reused step, because the step ran again. */

@@ -13,7 +13,7 @@
 typedef struct opc_store opc_store;
 
 /* Default limit in bytes, about ten thousand results of 200 kB;
-   OPCFLOW_STORE_LIMIT or `opcflow cache limit` override it. */
+   OPCFLOW_STORE_LIMIT or `opcflow cache limit` sets another limit. */
 #define OPC_STORE_LIMIT G_GUINT64_CONSTANT(2000000000)
 
 /* Return the store in OPCFLOW_STORE or, if unset, in opcflow in the cache
@@ -73,7 +73,7 @@ gboolean opc_store_clear(opc_store *store, opc_error *error);
    other texts. */
 gboolean opc_store_read_size(const char *text, guint64 *bytes);
 
-/* Set the limit, store it for later processes, and remove values beyond the
+/* Set the limit for this and later processes, and remove values beyond the
    limit. Return FALSE and *error if the limit cannot be stored. */
 gboolean opc_store_set_limit(opc_store *store, guint64 bytes, opc_error *error);
 
