@@ -3,8 +3,8 @@
    for a device table of several widths. The current of a rectangle of width W
    and length L is W j(L) plus an edge current, with j(L) the current per width
    of a wide transistor. The edge current makes the sum equal to the table's
-   current. It decays exponentially from both edges and depends on the local
-   length. */
+   current. The edge current per width decays exponentially with the distance
+   from each edge and depends on the local length. */
 #pragma once
 
 #include <eda/curves.h>

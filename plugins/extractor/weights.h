@@ -7,7 +7,7 @@
 #include <eda/curves.h>
 
 /* value[i * edges + j] is gamma at width[i] and edge[j], nm; width and edge
-   increase. widths = 0: gamma is 1 everywhere. */
+   increase. If `widths` is 0, gamma is 1 everywhere. */
 typedef struct grid {
   size_t widths, edges;
   double *width, *edge, *value;

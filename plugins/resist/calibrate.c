@@ -133,7 +133,7 @@ static const double least_k1 = 0.25;
 /* Limits of the ratio of the shortest gate length to the anchor line. Beyond
    the limits, a warning states that the anchor probably belongs to another
    process. Thick-oxide gates are up to 2.2 times as long as the anchor of their
-   process (GF180MCU: 600 and 280 nm). Chosen for opcflow. */
+   process (GF180MCU: 600 and 280 nm). The limits have no published source. */
 static const double longer = 2.25, shorter = 0.8;
 
 static void drawn_log(const resist_base *r, const char *id, resist_line a,

@@ -136,9 +136,10 @@ typedef int resist_terms(const resist_base *resist, const eda_field *image,
                          size_t n, eda_field *out, opc_error *error);
 
 /* Fit coefficients of a set of layers by least squares of the errors of printed
-   widths (Gauss-Newton). fit[k], k < n: 1: fit coefficient k; 0: keep its
-   value. `terms` may be NULL if n is 1. Read the table file. Log each line of a
-   table in the name of plugin `id`. Return OPC_OK or an error. [main] */
+   widths (Gauss-Newton). If fit[k], k < n, is 1, coefficient k is fitted; if it
+   is 0, the coefficient keeps its value. `terms` may be NULL if n is 1. Read
+   the table file. Log each line of a table in the name of plugin `id`. Return
+   OPC_OK or an error. [main] */
 int resist_fit(resist_base *resist, int set, const opc_module *litho,
                const char *id, resist_terms *terms, size_t n, const int *fit,
                double *coefficient, opc_error *error);

@@ -124,8 +124,8 @@ static inline float exp_of(float x) {
   return e * scale;
 }
 
-/* Interpolate a table of numbers `stride` apart at the position t, clamped to
-   its ends. */
+/* Interpolate a table, whose elements are `stride` floats apart, at the
+   position t, clamped to the ends of the table. */
 static inline float table_at(const float *table, int stride, float last,
                              float t) {
   t = fminf(fmaxf(t, 0.0F), last - 1e-3F);

@@ -26,7 +26,8 @@ static int has_type(const variation *v, int type) {
   return 0;
 }
 
-/* Return 1 if a figure of chips exists: a circuit may have one type only. */
+/* Return 1 if a figure of chips exists. A circuit whose transistors have one
+   type has no mean Ion of the other type. */
 static int has_figure(const variation *v, int k) {
   if (k == CHIP_ION_N) return has_type(v, EDA_NMOS);
   return k != CHIP_ION_P || has_type(v, EDA_PMOS);

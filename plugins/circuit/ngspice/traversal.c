@@ -22,7 +22,7 @@ void traversal_step(const bench *b, const machine *m, traversal *w,
   if (w->at < STATE_LOST) w->at = m->next[w->at * b->inputs + input];
 }
 
-/* Uses breadth-first search. */
+/* Use breadth-first search. */
 int traversal_to(const bench *b, const machine *m, traversal *w,
                  uint32_t state) {
   g_autofree uint32_t *from = g_new(uint32_t, m->states);

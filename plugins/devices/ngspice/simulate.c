@@ -274,9 +274,8 @@ static void run_job(void *data, size_t index) {
 
 /* ---- range of valid lengths ---- */
 
-/* Return 1 if this current must increase with decreasing length. With one
-   width, this holds for Ion and Ioff; with several widths, only for Ion of the
-   widest transistor. */
+/* Return 1 if this current must increase with decreasing length: Ion and
+   Ioff if there is one width, otherwise only Ion of the widest transistor. */
 static int must_rise(const simulation_task *j) {
   return (j->p->widths == 1 && j->current != CGATE) ||
          (j->current == EDA_ION && j->width + 1 == j->p->widths);

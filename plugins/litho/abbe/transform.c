@@ -23,7 +23,7 @@
 
 /* ---- state ---- */
 
-enum { CHUNK = 512 }; /* edges per chunk: their table fits the cache */
+enum { CHUNK = 512 }; /* edges per chunk, whose table fits into the cache */
 
 /* An edge, relative to the frame's corner, in units of the frame's period. */
 typedef struct edge {

@@ -247,8 +247,9 @@ static int cut_get_kernels(const hopkins *h, cut *c, opc_error *error) {
 }
 
 /* Largest ratio of the error to the requested error without a warning, for
-   errors that steps request, because these requests contain a reserve. For an
-   error that the flow sets, the ratio is 1. The value is tuned. */
+   errors that steps request. Their requests are smaller than the error that
+   they need. For an error that the flow sets, the ratio is 1. The value is
+   tuned. */
 static const double nearly = 2;
 
 static void cut_log(const hopkins *h, const cut *c) {

@@ -9,9 +9,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Lengths are in units of a sixteenth of wavelength / NA.
-
-   Two rows of dense lines with staggered ends, an isolated line and a block. */
+/* Pattern 0: two rows of dense lines with staggered ends, an isolated line and
+   a block. Lengths of all patterns are in units of a sixteenth of wavelength /
+   NA. */
 enum { ACROSS = 64, ALONG = 128 };
 static const eda_box lines_and_block[] = {
     {2, 4, 6, 55},     {18, 9, 22, 58},   {34, 2, 38, 52}, {2, 66, 6, 122},
@@ -27,8 +27,8 @@ enum {
   MOST = ROW / 13,         /* largest number of boxes of a row */
   TOP = 2 * ROW / 16,      /* number of frequencies of a row below twice the
                               cutoff */
-  TOP_X = 2 * ACROSS / 16, /* this number for the first pattern along x */
-  TOP_Y = 2 * ALONG / 16,  /* this number for the first pattern along y */
+  TOP_X = 2 * ACROSS / 16, /* the same of the first pattern along x */
+  TOP_Y = 2 * ALONG / 16,  /* the same of the first pattern along y */
   ORDERS = (2 * TOP_X + 1) * (2 * TOP_Y + 1)
 };
 _Static_assert(ORDERS >= 2 * TOP + 1, "rows have fewer frequencies");

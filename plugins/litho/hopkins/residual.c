@@ -16,8 +16,9 @@
 
 #include "radial.h"
 
-/* Weight of smoothness in the fit of D, which determines values without samples
-   from their neighbours. A tenfold weight changes errors by 3 %. */
+/* Weight of the smoothness of D in its fit. The smoothness determines values
+   without samples from their neighbours. A weight of ten times this value
+   changes errors by 3 %. */
 static const double stiffness = 1e-4;
 
 /* Smallest |h| in the weight 1 / |h| of pairs. Long lines have pairs along one
@@ -121,7 +122,7 @@ typedef struct fit {
 
 static const int corners[4] = {0, 1, TURNS, TURNS + 1};
 
-/* Add the sample: sum of by[k] D[at[k]] = `value`. */
+/* Add the sample that the sum of by[k] D[at[k]] over k < n equals `value`. */
 static void fit_add_sample(fit *f, size_t n, const int *at, const double *by,
                            double value, double weight) {
   for (size_t k = 0; k < n; k++)

@@ -14,8 +14,8 @@
 enum { WIDTH = 1200, ROW = 560, TOP = 50, LEFT = 80, RIGHT = 690, SIDE = 430 };
 static const double font = 15;
 
-/* Margins of the range of an axis: relative to the range, smallest, and
-   smallest on a logarithmic axis (decades). */
+/* Margin at the ends of an axis, relative to the range of the values; smallest
+   margin; and smallest margin of a logarithmic axis, in decades. */
 static const double share = 0.06, least = 1, least_decades = 0.1;
 
 /* Lines per interval of foci that fill the area within the limits. */

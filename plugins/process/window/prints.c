@@ -63,7 +63,8 @@ static int exposure_measure(exposure *e, window_print *out, opc_error *error) {
   return code;
 }
 
-/* Evaluate the images at a dose given in %, active displaced by the overlay. */
+/* Evaluate the images at a dose (%), with the image of active displaced by the
+   overlay. */
 static int print_at(exposure *e, double dose, window_overlay overlay,
                     window_print *out, opc_error *error) {
   const window *w = e->w;

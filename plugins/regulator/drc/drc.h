@@ -196,8 +196,8 @@ int32_t mask_spacing(drc *r, const eda_printed *p, eda_box edge, int side,
 /* Return the bias of a mask edge at which a measured value of the printed edge
    is expected to reach `target` plus tuned.spare, nm. `value`: the value
    measured at `bias`, nm. The response is the slope between the last two
-   measurements; for the first measurement tuned.usual times `steep`. Stores the
-   measurement in `r`. */
+   measurements; after the first measurement, it is tuned.usual times `steep`.
+   Store the measurement in `r`. */
 int32_t rules_advance(response *r, int32_t bias, double value, double target,
                       double steep, double grid);
 void violations_add(violations *l, eda_violation v);

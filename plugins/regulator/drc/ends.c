@@ -13,8 +13,9 @@ static int32_t grid_steps(double limit, double most, double grid) {
 }
 
 /* Compute the largest outward displacement of a line end. The line end may use
-   the entire spacing to contacts, which do not move. Its share is half of the
-   drawn spacing to poly, because a facing line end may move as far. */
+   the entire spacing to contacts, which do not move. The member `share` is
+   half of the drawn spacing to poly, because a facing line end may move as far.
+   The member `most` is the limit by contacts and max_growth. */
 static void end_find_length(const drc *r, line_end *e) {
   double grid = r->grid;
   int32_t range = (int32_t)ceil((2 * r->max_growth + r->min_space) / grid) + 1;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements mask rule checks as violations. */
+/* Implements the check of the mask rules; faults are added as violations. */
 #include <eda/memory.h>
 #include <stdlib.h>
 

@@ -189,7 +189,8 @@ static int32_t segment_into_corner(const drc *r, const repair *one, int side,
 }
 
 /* Return the repair shape on a side: a box from min_mask_width inside of the
-   drawn edge to the present displacement. Its ends follow the corners. */
+   drawn edge to the present displacement. Its ends move with the adjacent
+   corners. */
 static eda_box repair_shape(const drc *r, const eda_printed *printed,
                             const repair *one, int side) {
   int32_t in = (int32_t)ceil(r->min_mask_width / r->grid - 1e-9);
@@ -446,8 +447,9 @@ static void site_clear(drc *r, const eda_printed *p, site *wrong) {
   shapes_reduce(r, p, wrong, near, step, 0);
 }
 
-/* Repair violations of mask rules. Discard smoothings there. Reduce two repair
-   shapes that are too close by half of the missing space each. */
+/* Repair violations of mask rules. Discard smoothings at the violations. If two
+   repair shapes are too close to each other, reduce each by half of the missing
+   space. */
 static void mask_repair(drc *r, const eda_printed *p, size_t layer,
                         const mrc_faults *found) {
   int32_t near = (int32_t)ceil(r->min_space / r->grid);

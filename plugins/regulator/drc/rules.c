@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements displacements of a mask edge until a printed figure meets its
-   limit. */
+/* Implements the search for the displacement of a mask edge at which a printed
+   length or distance meets its limit. */
 #include <math.h>
 
 #include "drc.h"

@@ -60,7 +60,7 @@ static void pair_consider(finder *f, uint32_t i, uint32_t j) {
   if (g.across > limit + 2 * l->rules->max_shift ||
       g.along > limit + end_reach(l, a) + end_reach(l, b))
     return;
-  /* Between diagonal corners of two polygons there is no inside of the mask. */
+  /* The area between diagonal corners of polygons is outside of the mask. */
   if (inside && g.along >= 0 && p[i].polygon != p[j].polygon && !p[i].hole &&
       !p[j].hole)
     return;

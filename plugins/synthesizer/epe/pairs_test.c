@@ -100,7 +100,7 @@ static void test_all(void) {
           double was = wall_distance(&l, NULL, i, j),
                  is = wall_distance(&l, shift, i, j);
           if (is >= fmin(limit, was) - 0.01) continue;
-          /* Between diagonal polygons there is no inside of the mask. */
+          /* The area between diagonal polygons is outside of the mask. */
           if (inside && p->polygon != q->polygon) continue;
           if (!has_pair(&l, inside ? j : i, inside ? i : j, inside))
             g_error("%u and %u: %g, drawn %g", i, j, is, was);
