@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Measures runs of the command from file to file: the NAND2, and circuits if
    test data exist. Figures are the time relative to fast simulations alone, the
-   deviations of the currents, and the deviations by a different model.
+   deviations of the currents, and these deviations after a simulation by a
+   different model.
    bench_correction [NAME ...]: run only these cases; "library" are circuits
    assembled from the masks of their cells.
    OPCFLOW_BEFORE=FOLDER is the source of another version with a build in
-   FOLDER/build. If the results are comparable, that version runs the same flows
+   FOLDER/build. If the results are comparable, the two versions run each flow
    alternately. */
 #include <glib.h>
 #include <json-glib/json-glib.h>
@@ -80,8 +81,9 @@ static const correction_case jobs[] = {
      .figures = {{"verify", "ion_mean", 0.04, "%"},
                  {"verify", "ion_max", 0.4, "%"},
                  {"verify", "ion_change_max", 0.1, "%"}}},
-    /* Accurate simulations and the verification alone may take twice the time
-       of the same displacements with fast simulations alone. */
+    /* A correction with accurate simulations and its verification may take at
+       most twice the time of the same displacements with fast simulations
+       alone. */
     {.name = "c7552.newton_plain",
      .flow = "newton.yaml",
      .circuit = "c7552",

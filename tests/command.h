@@ -63,7 +63,7 @@ static inline gboolean is_there(const char *name) {
   return g_file_test(name, G_FILE_TEST_EXISTS);
 }
 
-/* Return the number of entries in a folder, including hidden ones. */
+/* Return the number of entries in a folder, including hidden entries. */
 static inline guint entries(const char *name) {
   guint n = 0;
   GDir *dir = g_dir_open(name, 0, NULL);

@@ -291,8 +291,8 @@ static void test_refusals(void) {
   assert_flow(HEAD CASES, "required parameter 'methods'");
 }
 
-/* A former name of a parameter is accepted with a warning. Both names together
-   are an error. */
+/* A former name of a parameter is accepted with a warning. Setting both names
+   is an error. */
 static void test_former(void) {
   g_autofree char *flow =
       g_build_filename(g_getenv("OPCFLOW_SOURCE"), "flows/newton.yaml", NULL);

@@ -399,8 +399,8 @@ static void test_netlist(void) {
              ".subckt nand2 A B Y VDD VSS\nMN1 VSS A X VSS nmos w="));
 }
 
-/* Errors of three extractors against transistors of several widths, which the
-   table of weights in data/devices was fitted to. */
+/* Errors of three extractors against transistors of several widths, to which
+   the table of weights in data/devices was fitted. */
 static void test_gamma(void) {
   run_ready("gamma", NULL, NULL);
   g_assert_cmpfloat(metric("gamma", "plain", "ion_max"), >, 15);

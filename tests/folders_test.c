@@ -17,7 +17,7 @@ static int sh(const char *script) {
   return program_spawn((const char *const[]){"/bin/sh", "-c", script, NULL});
 }
 
-/* Check the names in a folder, including hidden ones, separated by spaces. */
+/* Check the names in a folder, including hidden names, separated by spaces. */
 static void expect_names(const char *name, const char *want) {
   g_autofree char *script = g_strdup_printf("ls -A %s | xargs echo", name);
   g_assert_cmpint(sh(script), ==, 0);

@@ -94,7 +94,7 @@ static gboolean is_bad(const char *file) {
               file));
 }
 
-/* Lint finds a fault in every faulty plugin, and the expected one in those of
+/* Lint finds a fault in every faulty plugin, and the expected fault in those of
    `bad`. */
 static void test_all(void) {
   g_autofree char *folder =

@@ -142,7 +142,7 @@ opc_sweep *opc_sweep_new(const opc_recipe *recipe, const char *const *sets,
   return sweep;
 }
 
-/* Add the axes of a map. A nested map that is no range continues the path. */
+/* Add the axes of a map, and of nested maps other than ranges. */
 static void add_axes(opc_sweep *sweep, const char *prefix, const opc_node *map,
                      opc_problems *problems) {
   for (guint i = 0; i < map->items->len; i++) {

@@ -231,7 +231,8 @@ static int run_one(const series *s, const char *variant) {
   return run_print_results(s, run, note, problems);
 }
 
-/* Run all variants and return the exit code of the first failed run. */
+/* Run all variants; return the exit code of the first failed run, CLI_STOPPED
+   after a stop. */
 static int run_all(const series *s) {
   int code = CLI_GOOD;
   stop_on_signals(CLI_STOPPED);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds plugins that crash, end or change the process. The signal handler only
-   writes existing texts, renames the run folder and ends the process. */
+   writes prepared texts, renames the run folder and ends the process. */
 #include <guard/guard.h>
 
 #include <errno.h>

@@ -136,7 +136,7 @@ static void kill_at_each_rename(const char *target) {
     g_assert_true(WIFEXITED(status));
     if (!plain_renames) assert_word(target, status ? "first" : "second");
     g_assert_cmpuint(entries("k"), ==, status ? (entries(target) ? 2 : 1) : 1);
-    /* The next run clears remains first. */
+    /* The next run first removes the remains of the killed run. */
     opc_error error;
     opc_folder *next = opc_folder_open(target, TRUE, &error);
     g_assert_nonnull(next);
