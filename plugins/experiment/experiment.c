@@ -124,18 +124,19 @@ static const opc_parameter parameters[] = {
         experiment, cases, .type = OPC_MAP,
         .flags = OPC_REQUIRED | OPC_MAP_OF_ANY | OPC_INNER_AXIS,
         .summary = "cases to run, as in [{ layout.file: a.gds }]; values may "
-                   "be lists or patterns, { list: FILE } reads a file"),
+                   "be lists or patterns, and { list: FILE } reads a file"),
     OPC_PARAMETER(experiment, methods, .type = OPC_MAP,
                   .flags = OPC_REQUIRED | OPC_MAP_OF_ANY | OPC_INNER_AXIS,
                   .summary = "methods to compare: [variant], or { name: { "
                              "step.parameter: value } }"),
     OPC_PARAMETER(experiment, set, .type = OPC_MAP, .flags = OPC_MAP_OF_ANY,
                   .summary = "values for all runs, { step.parameter: value }; "
-                             "override those of cases and methods"),
+                             "they override all others"),
     OPC_PARAMETER(
         experiment, columns, .type = OPC_MAP,
-        .summary = "columns of the summary, { step.metric: heading }; default: "
-                   "the metrics that differ between methods"),
+        .summary =
+            "columns of the summary, { step.metric: heading }; default: the "
+            "figures of merit, and other metrics that differ between methods"),
 };
 
 static const opc_metric metrics[] = {

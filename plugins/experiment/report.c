@@ -11,7 +11,8 @@
 /* Largest width of the summary, in terminal columns. */
 enum { WIDEST = 100 };
 
-/* Metrics, of any step, that methods optimise: first columns of the summary. */
+/* Metrics that methods optimise, of any step. They are the first columns of the
+   summary. */
 static const char *const aims[] = {"ion_mean",  "ion_max", "ioff_mean",
                                    "area_mean", "shots",   "violations"};
 
@@ -95,7 +96,7 @@ static int write_runs(const experiment *e, opc_error *error) {
 
 /* ---- the summary ---- */
 
-/* Return the mean over the cases with a finite value; NAN if there is none. */
+/* Return the mean over the cases with a value, or NAN if no case has one. */
 static double mean_of(const experiment *e, const double *values,
                       size_t method) {
   double sum = 0, n = 0;
@@ -148,8 +149,8 @@ static gboolean add_means(summary *s, const char *head, const char *unit,
   return TRUE;
 }
 
-/* Return the figure of the last step with the metric `aim`, because later steps
-   verify earlier ones; NULL if there is none. */
+/* Return the figure of the last step with the metric `aim`, or NULL. The last
+   step is chosen because later steps verify earlier ones. */
 static const figure *find_aim(const experiment *e, const char *aim) {
   for (guint i = e->figures->len; i-- > 0;) {
     const figure *f = e->figures->pdata[i];

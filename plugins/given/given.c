@@ -133,8 +133,8 @@ static const opc_parameter parameters[] = {
     CORRECT_MARGIN(given),
     CORRECT_FINE(given),
     CORRECT_ION_LIMIT(given,
-                      "Largest |Ion deviation| below which no transistor "
-                      "counts as worse than drawn"),
+                      "|Ion deviation| up to which a transistor does not "
+                      "count as worse than drawn"),
     RULES_PARAMETERS(given),
 };
 
@@ -142,7 +142,8 @@ static const opc_metric metrics[] = {
     {"transistors", NULL, OPC_NEUTRAL, 0, "number of measured transistors"},
     REPORT_METRICS,
     REPORT_DRAWN_METRICS,
-    {"iterations", NULL, OPC_NEUTRAL, 0, "0: the mask is not changed"},
+    {"iterations", NULL, OPC_NEUTRAL, 0,
+     "always 0, because the step does not change the mask"},
     {"simulations", NULL, OPC_LOWER, 0, "litho simulations of one layer each"},
     {"fine_simulations", NULL, OPC_LOWER, 0,
      "additional simulations of the accurate model"},

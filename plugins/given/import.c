@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the import of masks made by other tools, whose files may have
    another cell, scale, origin or grid. Masks that cannot belong to the gates
-   are rejected. For doubtful masks, a warning states the likely cause. */
+   are rejected. For doubtful masks, a finding states the likely cause. */
 #include "import.h"
 
 #include <glib.h>
@@ -11,17 +11,17 @@
 static const struct {
   double covers, scale, place;
 } tuned = {
-    /* Fraction of the drawing below which a mask causes a warning. Corrections
-       move edges by tenths of a line width and cover more; unrelated shapes
-       cover 0.2. */
+    /* If a mask covers a smaller fraction of the drawing, the step reports a
+       finding. Corrected masks cover more, because edges move by tenths of a
+       line width. Unrelated shapes cover about 0.2. */
     .covers = 0.6,
 
     /* Ratio of the sizes of mask and drawing that indicates another scale.
        Assist features around a small cell change the ratio by less. */
     .scale = 1.2,
 
-    /* Distance of the centres of mask and drawing, nm, that indicates a shift.
-       Assist features on one side move the centre by less. */
+    /* Distance between the centres of mask and drawing, nm, that indicates a
+       shift. Assist features on one side move the centre by less. */
     .place = 20,
 };
 

@@ -20,7 +20,8 @@ static int error_set_parameter(opc_error *error, const char *parameter,
   return error->code;
 }
 
-/* Add a metric to the objective; all metrics belong to the same step. */
+/* Add a metric to the objective. Return OPC_INVALID unless it belongs to the
+   step or plugin of the first metric. */
 static int plan_term(search *s, const char *path, double weight,
                      opc_error *error) {
   plan *p = &s->plan;
@@ -114,7 +115,8 @@ static int plan_along(search *s, opc_error *error) {
                              s->along.pairs[s->along.count - 1].key);
 }
 
-/* Select the step that provides the mask: the named one or the figure's. */
+/* Select the step that provides the mask. It is the step with the figure,
+   unless `mask` names another step. */
 static int plan_mask(search *s, opc_error *error) {
   const opc_inner_service *inner = opc_get_inner(s->host);
   opc_error none = {0};
@@ -183,7 +185,8 @@ static double find_metric(const search *s, const opc_metric *metric,
   return NAN;
 }
 
-/* Return the figure of the last run, or of the steps shared by all runs. */
+/* Return the figure of the last run. Metrics that the run itself does not have
+   are those of the steps shared by all runs. */
 static double get_figure(const search *s) {
   const plan *p = &s->plan;
   g_autofree double *values = g_new(double, p->n_terms);
@@ -194,7 +197,7 @@ static double get_figure(const search *s) {
   return plan_value(p, values);
 }
 
-/* Return the number of litho simulations, by the metrics of the steps. */
+/* Return the sum of the metrics `simulations` of all steps. */
 static double count_simulations(const search *s, int shared) {
   size_t n;
   const opc_inner_metric *const *m =
@@ -210,9 +213,10 @@ static double real_at(const opc_column *c, size_t row) {
                              : (double)((const int64_t *)c->data)[row];
 }
 
-/* Take the figures of a shared run from the rows of a table: for each value of
-   the axis, the last row whose axis value does not exceed that value. A run
-   that ends early has converged. */
+/* Take the figures of a shared run from the rows of a table. The row for a
+   value of the axis is the last one whose axis value does not exceed that
+   value. A run that ends early has converged, so its last row applies to all
+   later values. */
 static int take_column(search *s, size_t setting, opc_error *error) {
   const opc_inner_service *inner = opc_get_inner(s->host);
   const plan *p = &s->plan;
@@ -240,7 +244,8 @@ static int take_column(search *s, size_t setting, opc_error *error) {
 
 /* ---- all runs ---- */
 
-/* Update the best setting. If settings are equal, the first is the best. */
+/* Update the best setting. Among settings with equal figures, the first is the
+   best. */
 static void search_compare(search *s, size_t setting) {
   double figure = s->figure[setting];
   if (isnan(figure)) return;

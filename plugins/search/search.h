@@ -17,18 +17,19 @@ typedef struct term {
    several metrics of a step (thesis eq. 2.5). */
 typedef struct plan {
   const char *figure; /* "step.metric", or "cost" */
-  const char *unit;   /* of the objective; NULL: none */
-  char *of;           /* path of the step with the figure, or of a plugin in the
-                         step */
+  const char *unit;   /* of the objective, or NULL */
+  char *of; /* path of the step or plugin that publishes the metrics */
   term *terms;
   size_t n_terms;
-  int weighted;     /* 1: the sum of `weights`; 0: terms[0] */
-  int greatest;     /* 1: maximise the figure; 0: minimise */
+  int weighted;     /* whether the objective is the sum of `weights`; if not, it
+                       is terms[0] */
+  int greatest;     /* whether the figure is maximised, not minimised */
   const char *mask; /* step whose mask is the output */
 
-  /* Index of the shared axis; -1 (with count 1): none. One run at the last
-     value of the shared axis covers all `count` values: a table of the run has
-     a row with the figure for each value. */
+  /* Index of the shared axis, or -1 if no axis is shared. One run at the last
+     value of the shared axis covers all `count` values, because a table of the
+     run has a row with the figure for each value. Without a shared axis,
+     `count` is 1. */
   int along;
   size_t count, stride; /* number of values; distance between the indices of
                            settings that share a run */
@@ -48,15 +49,16 @@ typedef struct search {
   size_t count; /* number of settings */
   size_t runs, failed;
   double simulations;
-  double *figure; /* for each setting; NAN: none */
+  double *figure; /* for each setting; NAN if the setting has no figure */
   int64_t *run;   /* for each setting: number of the run, from 1 */
   char **results; /* for each run: "good", or the error message */
-  size_t best;    /* index of the best setting; `count`: none */
+  size_t best;    /* index of the best setting; `count` before a setting has a
+                     figure */
 } search;
 
 /* Return the output `settings`; the caller owns it. */
 eda_settings *search_settings(const search *search);
 
-/* Publish the tables and the metrics. Returns the status. */
+/* Publish the tables and the metrics. Returns OPC_OK or an error. */
 int search_report(const search *search, const eda_settings *settings,
                   opc_error *error);

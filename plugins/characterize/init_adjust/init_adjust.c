@@ -17,7 +17,7 @@
 
 /* Result of one transistor. */
 typedef struct trial {
-  double pde;         /* final PDE, % */
+  double pde;         /* deviation of Ion after the last move, % */
   int64_t iterations; /* moves of the mask */
 } trial;
 
@@ -109,8 +109,9 @@ static void try_size(void *data, size_t size) {
 
 /* ---- work: the choice ---- */
 
-/* Return whether trial a is better than b: nearer to the design, then with
-   fewer moves, then with a smaller correction. */
+/* Return whether trial a is better than b. Values of |PDE| up to `tie` count as
+   equal. If they are equal, the smaller number of moves decides, then the
+   smaller first correction. */
 static int is_better(const work *k, size_t size, size_t a, size_t b) {
   const trial *t = k->trials + size * (k->starts + 1);
   double tie = k->by->tie;
@@ -128,9 +129,10 @@ static size_t size_choose(const work *k, size_t size) {
   return best;
 }
 
-/* Results of a first correction of a size. */
+/* Row of a table: the results of a first correction of a size. */
 typedef struct trial_result {
-  double l, w, init_adjust, pde, iterations, by_one;
+  double l, w, init_adjust, pde, iterations;
+  double by_one; /* iterations if the first correction is one grid step */
 } trial_result;
 
 static trial_result trial_row(const work *k, size_t size, size_t s) {
@@ -143,8 +145,8 @@ static trial_result trial_row(const work *k, size_t size, size_t s) {
                         (double)t[k->starts].iterations};
 }
 
-/* Write a table. Its last column marks the chosen first correction. Return
-   OPC_OK or an error. */
+/* Write a table with the first `columns` of all columns. Return OPC_OK or an
+   error. */
 static int table_publish(const work *k, const char *name, uint32_t flags,
                          const trial_result *first, size_t rows, size_t columns,
                          opc_error *error) {
@@ -265,14 +267,15 @@ static const opc_parameter parameters[] = {
     NUMBER(from, OPC_REAL, "nm", BETWEEN, -100, 100, "-4 nm",
            "smallest first correction of L to try"),
     NUMBER(to, OPC_REAL, "nm", BETWEEN, -100, 100, "15 nm",
-           "largest first correction of L to try, in grid steps from `from`"),
+           "largest first correction of L to try; all grid steps from `from` "
+           "to this value are tried"),
     NUMBER(tie, OPC_REAL, "%", OPC_AT_LEAST, 0, 0, "0 %",
-           "|PDE| below which results count as equal and the fewest iterations "
-           "decide; the thesis uses 0 %"),
+           "|Ion deviation| up to which results count as equal, so that the "
+           "fewest iterations decide; the thesis uses 0 %"),
     OPC_PARAMETER(characterize, ion_limit, .type = OPC_REAL, .flags = OPC_ABOVE,
                   .unit = "%", .preset = "0.5 %", .former = "limit",
-                  .summary = "largest allowed |Ion deviation|, as the "
-                             "parameter of synthesizer.dpb"),
+                  .summary = "largest allowed |Ion deviation|, as in "
+                             "synthesizer.dpb"),
     NUMBER(max_bias, OPC_REAL, "nm", OPC_ABOVE | OPC_AT_MOST, 0, 1000, "80 nm",
            "largest correction of L or W, as in synthesizer.dpb"),
     OPC_PARAMETER_NAMED(
@@ -286,7 +289,7 @@ static const opc_parameter parameters[] = {
     NUMBER(extension, OPC_REAL, "nm", BETWEEN, 0, 1000, "84 nm",
            "extension of the poly line end past the active"),
     NUMBER(enclosure, OPC_REAL, "nm", BETWEEN, 0, 1000, "98 nm",
-           "extension of the active past the gate, along L"),
+           "extension of the active past the gate, in the direction of L"),
     NUMBER(margin, OPC_REAL, "nm", BETWEEN, 0, 10000, "1000 nm",
            "width of the clear field around each transistor"),
 };

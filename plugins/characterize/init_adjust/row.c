@@ -14,8 +14,8 @@ static int32_t bias_steps(const row *r, double nm) {
   return (int32_t)lround(nm / r->rules->grid);
 }
 
-/* Return the distance from one transistor to the next, grid steps: drawn shape
-   and margin on both sides. */
+/* Return the distance from one transistor to the next, grid steps. It is the
+   drawn length with the enclosure and the margin on both sides. */
 static int32_t row_pitch(const row *r) {
   return bias_steps(r, r->length) + 2 * bias_steps(r, r->rules->enclosure) +
          2 * bias_steps(r, r->rules->margin);
@@ -29,8 +29,9 @@ static eda_frame frame_of(const row *r) {
                      r->width + 2 * past};
 }
 
-/* Return the box of transistor i of a layer: the low corner of its gate is at
-   (i * pitch, 0). As in eda_moves, the high side takes the odd step. */
+/* Return the box of transistor i in a layer. The lower left corner of the drawn
+   gate is at (i * pitch, 0). If the number of steps of a bias is odd, the high
+   side moves one step more, as in eda_moves. */
 static eda_box box_of(const row *r, int layer, size_t i) {
   int32_t x = (int32_t)i * row_pitch(r), l = r->l[i], w = r->w[i];
   int32_t length = bias_steps(r, r->length), width = bias_steps(r, r->width);
@@ -111,8 +112,8 @@ static void lengths_of_gate(const eda_printed_gate *gate, size_t n,
   for (size_t k = 0; k < n; k++) length[k] = length_of_gate(gate, place[k]);
 }
 
-/* Compute the printed edges of the active: means over the channel, as in the
-   correction loop. */
+/* Compute the printed edges of the active. They are means over the channel, as
+   in the correction loop. */
 static void measure_width(printed *p) {
   static const double place[3] = {-0.7745966692414834, 0, 0.7745966692414834};
   static const double share[3] = {5 / 18.0, 8 / 18.0, 5 / 18.0};
@@ -231,8 +232,8 @@ int row_print(row *r, const int layers[ROW_LAYERS], opc_error *error) {
 
 /* ---- construction ---- */
 
-/* Compute the drawn Ion from the first transistor. Return OPC_OK or an
-   error. */
+/* Compute the drawn Ion, which is equal for all transistors. Return OPC_OK or
+   an error. */
 static int measure_drawn(row *r, const double *place, const double *share,
                          opc_error *error) {
   size_t n = r->slices, all = r->count * n;

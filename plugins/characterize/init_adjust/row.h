@@ -9,12 +9,15 @@
 /* Layers of a transistor: EDA_POLY and EDA_ACTIVE. */
 enum { ROW_LAYERS = 2 };
 
-/* Properties common to all rows. Lengths in nm; `grid` is the mask grid. */
+/* Properties common to all rows. Lengths are in nm. */
 typedef struct row_rules {
   const opc_context *context;
   const opc_module *litho, *resist, *extractor; /* prepared modules */
-  double grid, extension, enclosure, margin;
-  uint8_t type; /* EDA_NMOS, EDA_PMOS */
+  double grid;                                  /* of the mask */
+  double extension; /* of the poly past the active, at each line end */
+  double enclosure; /* of the gate by the active, on each side */
+  double margin;    /* clear field around each transistor */
+  uint8_t type;     /* EDA_NMOS, EDA_PMOS */
 } row_rules;
 
 typedef struct row {
@@ -23,11 +26,11 @@ typedef struct row {
   size_t count;
   int32_t *l, *w; /* biases of each transistor, in grid steps */
   double design;  /* Ion as drawn, A */
-  double *ion;    /* Ion as printed; 0 where nothing prints */
+  double *ion;    /* Ion as printed, A; 0 for transistors that do not print */
   eda_field print[ROW_LAYERS];
   size_t slices;
-  double *slice; /* widths, lengths and edge distances of all slices, in one
-                    array */
+  double *slice; /* widths of the slices of all transistors, then all lengths,
+                    then all distances from the nearer end of the gate */
   double *own;   /* positions and widths of the slices of one transistor */
   uint8_t *type;
   double *other; /* extracted figures other than Ion */

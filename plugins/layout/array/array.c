@@ -11,27 +11,29 @@
 
 /* A cell of the array and its layout. */
 typedef struct member {
-  const eda_layout *layout;
-  int32_t cell; /* in the new layout */
-  eda_box box;  /* that abuts the boxes of neighbours, database units */
+  const eda_layout *layout; /* NULL if the array has no such cell */
+  int32_t cell;             /* number in the new layout */
+  eda_box box; /* abuts the boxes of neighbours; in database units */
 } member;
 
 typedef struct array {
   const opc_host *host;
-  member inner, row_end, column_end, corner; /* layout NULL: none */
+  member inner, row_end, column_end, corner;
   const char *top, *boundary, *name;
   int64_t columns, rows;
   int mirror;
 } array;
 
-enum { NONE = 0, IN_ROWS = 1, IN_COLUMNS = 2, BOTH = 3 }; /* of `mirror` */
+/* Values of `mirror`. */
+enum { NONE = 0, IN_ROWS = 1, IN_COLUMNS = 2, BOTH = 3 };
 
 /* ---- work ---- */
 
 /* Largest coordinate of the array, database units. */
 static const double most = 1 << 30;
 
-/* Compute the box of a cell: that of the boundary layer, or of all layers. */
+/* Compute the bounding box of the boundary layer in a cell, or of all layers if
+   no boundary layer is set. */
 static int find_box(const array *a, const eda_layout *layout, int32_t cell,
                     eda_box *box, opc_error *error) {
   double unit = eda_layout_unit(layout);
@@ -100,9 +102,9 @@ static int check_sizes(const array *a, opc_error *error) {
   return OPC_OK;
 }
 
-/* Place a member `columns` times with the distance dx and `rows` times with the
-   distance dy. The first one is mirrored left to right or upside down and has
-   the lower left corner of its box at (x, y). */
+/* Place a member in `columns` at the distance dx and `rows` at the distance dy.
+   The lower left corner of the first box is at (x, y). All are mirrored as the
+   flags state. */
 static int put_member(const member *m, eda_layout *out, int32_t cell, int64_t x,
                       int64_t y, int left_right, int upside_down,
                       uint32_t columns, uint32_t rows, int32_t dx, int32_t dy,
@@ -125,8 +127,8 @@ static uint32_t positions(int64_t n, int k, int step) {
   return n > k ? (uint32_t)((n - k + step - 1) / step) : 0;
 }
 
-/* Place the cells inside the array; of row and column ends, those on the right
-   and above, or on the left and below. */
+/* Place the cells inside the array, then the ends of rows and columns on both
+   sides, then the four corners. */
 static int put_cells(const array *a, eda_layout *out, int32_t cell,
                      opc_error *error) {
   int sx = a->mirror & IN_ROWS ? 2 : 1, sy = a->mirror & IN_COLUMNS ? 2 : 1;
@@ -207,8 +209,9 @@ static const opc_parameter parameters[] = {
                   .max = 65535, .summary = "Number of rows"),
     OPC_PARAMETER(array, mirror, .type = OPC_CHOICE, .preset = "both",
                   .choices = "none|rows|columns|both",
-                  .summary = "Mirroring about shared edges: of every second "
-                             "cell in a row, in a column, or both"),
+                  .summary = "Where every second cell is mirrored about the "
+                             "edge that it shares: in rows (left to right), in "
+                             "columns (upside down), or in both"),
     OPC_PARAMETER(array, boundary, .type = OPC_TEXT,
                   .summary = "Layer whose bounding box in a cell abuts those "
                              "of neighbours (default: all layers)"),
@@ -229,9 +232,10 @@ static const opc_parameter parameters[] = {
 };
 
 static const opc_metric metrics[] = {
-    {"cells", NULL, OPC_NEUTRAL, 0, "number of cells, without ends"},
-    {"width", "nm", OPC_NEUTRAL, 0, "distance of columns"},
-    {"height", "nm", OPC_NEUTRAL, 0, "distance of rows"},
+    {"cells", NULL, OPC_NEUTRAL, 0,
+     "number of cells, without those at ends and corners"},
+    {"width", "nm", OPC_NEUTRAL, 0, "distance from one column to the next"},
+    {"height", "nm", OPC_NEUTRAL, 0, "distance from one row to the next"},
 };
 
 static int array_check(void *self, opc_error *error) {

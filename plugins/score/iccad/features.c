@@ -20,7 +20,7 @@ static int32_t sets_join(int32_t *parent, int32_t a, int32_t b) {
 }
 
 /* Label the connected sets. number[i] becomes the number of the set of pixel i,
-   counted from 0; -1 for clear pixels. Return the number of sets. */
+   from 0, or -1 if the pixel is clear. Return the number of sets. */
 static int32_t features_label(const iccad_tile *t, const uint8_t *pixels,
                               int32_t *number) {
   int32_t side = t->side, n = side * side, count = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests of features of random pixels, compared with a simple relaxation and
-   with a comparison of all pairs, and of a drawn case. */
+/* Tests the features of random pixels, compared with a simple relaxation and a
+   comparison of all pairs. Also tests a case drawn by hand. */
 #include <glib.h>
 #include <string.h>
 

@@ -22,15 +22,16 @@ typedef struct score {
 enum { TARGET, NOMINAL, OUTER, INNER, RASTERS };
 
 typedef struct figures {
-  int64_t inner, outer; /* sites with the printed edge too far inside; too far
-                           outside */
+  int64_t inner; /* sites whose printed edge is too far inside */
+  int64_t outer; /* sites whose printed edge is too far outside */
   int64_t sites, l2, pvb, shots;
   iccad_features features; /* sums over the three images */
 } figures;
 
 /* ---- work ---- */
 
-/* Set the tile; its centre is the centre of the target. */
+/* Set the tile. Its centre is the centre of the layout, except that its lower
+   left corner is rounded down to 1 nm. Return OPC_OK or an error. */
 static int place_tile(const score *s, const eda_gates *g, iccad_tile *tile,
                       opc_error *error) {
   double side = s->tile;
@@ -190,8 +191,8 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(score, dose, .type = OPC_REAL,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "%",
                   .preset = "2 %", .min = 0, .max = 50,
-                  .summary = "dose variation up and down, as a factor on the "
-                             "mask's transmission"),
+                  .summary = "dose variation up and down; the mask's "
+                             "transmission is multiplied by 1 + or - dose"),
     OPC_PARAMETER(
         score, defocus, .type = OPC_REAL, .unit = "nm", .preset = "25 nm",
         .summary = "defocus of the innermost contour; with litho.kernels, all "
@@ -209,7 +210,7 @@ static const opc_parameter parameters[] = {
 
 static const opc_metric metrics[] = {
     {"epe", NULL, OPC_LOWER, 0,
-     "number of sites whose edge error exceeds the limit"},
+     "number of sites whose edge error is `epe` or more"},
     {"l2", "nm^2", OPC_LOWER, 0,
      "area of difference between nominal contour and target"},
     {"pvb", "nm^2", OPC_LOWER, 0,

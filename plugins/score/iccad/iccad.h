@@ -11,14 +11,14 @@ typedef struct iccad_tile {
   int32_t side;   /* nm, equal to the number of pixels */
 } iccad_tile;
 
-/* A site on the boundary of the target: the pixel inside, and the direction to
-   the adjacent pixel outside. */
+/* A site on the boundary of the target. */
 typedef struct iccad_site {
-  int32_t x, y;
-  int8_t dx, dy;
+  int32_t x, y;  /* adjacent pixel inside the target: its lower left corner */
+  int8_t dx, dy; /* step to the adjacent pixel outside */
 } iccad_site;
 
-/* Set the pixels with centres inside the shapes to 1. OPC_OK or an error. */
+/* Set the pixels with centres inside the shapes to 1. Return OPC_OK or an
+   error. */
 int iccad_fill(const eda_shapes *shapes, double grid, const iccad_tile *tile,
                uint8_t *pixels, opc_error *error);
 
@@ -39,11 +39,12 @@ int iccad_expose(const iccad_print *print, const eda_spectrum *mask,
 size_t iccad_sites(const eda_shapes *target, double grid, int32_t spacing,
                    iccad_site **sites);
 
-/* Features of the target in a printed image. `lost`: features without a printed
-   pixel; `broken`: pieces in excess of one per feature; `bridged`: connections
-   between features; `extra`: pieces outside of all features. */
+/* Features of the target in a printed image. */
 typedef struct iccad_features {
-  int64_t lost, broken, bridged, extra;
+  int64_t lost;    /* features without a printed pixel */
+  int64_t broken;  /* printed pieces in excess of one per feature */
+  int64_t bridged; /* connections between features */
+  int64_t extra;   /* printed pieces outside of all features */
 } iccad_features;
 iccad_features iccad_compare(const iccad_tile *tile, const uint8_t *target,
                              const uint8_t *print);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests the figures of known images (nothing prints, or everything prints), and
-   of the contest's first clip as drawn, compared with another program. */
+/* Tests the figures of images in which nothing prints, or everything. Also
+   compares the figures of the contest's first clip, as drawn, with those of
+   another program. */
 #include <eda/gates.h>
 
 #include "tests/data.h"
@@ -45,8 +46,8 @@ static char *write_kernel(void) {
 }
 
 /* Test that bright features do not print without light, and dark ones print
-   everywhere. Sites of an edge of 200: 40, 80 from both ends; of an edge of 60:
-   its centre. */
+   everywhere. An edge of 200 nm has sites at 40 and 80 nm from both ends, an
+   edge of 60 nm has one at its centre. */
 static void test_extremes(void) {
   g_autofree char *kernel = write_kernel();
   for (int all = 0; all < 2; all++) {
