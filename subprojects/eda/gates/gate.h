@@ -34,8 +34,8 @@ void eda_gate_measure(const eda_gates *gates, size_t i, const eda_field *print,
 void eda_gate_draw(const eda_gates *gates, size_t i, eda_gate *gate);
 
 /* Compute the lengths (nm) at n fractions `place` of the printed width: 0 where
-   nothing prints, NAN if `place` is not within 0 to 1. Flags accumulate over
-   all requested lengths. One call with many places is much faster than many
-   calls. */
+   the middle between the drawn edges does not print, NAN if `place` is not
+   within 0 to 1. Flags accumulate over all requested lengths. One call with
+   many places is much faster than many calls. */
 void eda_gate_lengths(eda_gate *gate, size_t n, const double *place,
                       double *length);

@@ -17,7 +17,8 @@ typedef struct eda_devices {
   double *ion[2];
   double *ioff[2];
   double supply; /* supply voltage, V */
-  double width;  /* width of the simulated transistors, nm */
+  double width;  /* width of the transistors with the currents `ion` and `ioff`,
+                    nm */
   char *name;
   size_t narrow;        /* number of further widths, all below `width` */
   double *narrow_width; /* [narrow], nm, increasing */

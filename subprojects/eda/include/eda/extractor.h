@@ -33,7 +33,8 @@ struct eda_printed_gate {
      HIGH end along W; INFINITY where the poly continues. */
   double extension[2];
   /* Return the printed length, nm, at the fraction `place` of the width; 0 if
-     the poly does not print there. The caller reuses results for slices. */
+     the poly does not print there in the middle of the drawn length. The caller
+     reuses results for slices. */
   double (*length)(const eda_printed_gate *gate, double place);
   /* Write the printed lengths at n places; faster than n calls of `length`. */
   void (*lengths)(const eda_printed_gate *gate, size_t n, const double *place,

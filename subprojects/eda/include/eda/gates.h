@@ -164,9 +164,10 @@ OPC_EXPORT const eda_gates *eda_gates_sample(void);
 
 /* Faults of a printed transistor, as flags; 0: valid. */
 enum {
-  EDA_PRINT_OPEN = 1 << 0,      /* the poly does not print across the whole
-                                   width */
-  EDA_PRINT_NO_ACTIVE = 1 << 1, /* the active does not print */
+  EDA_PRINT_OPEN = 1 << 0,      /* at one slice or more, the poly does not print
+                                   in the middle of the drawn length */
+  EDA_PRINT_NO_ACTIVE = 1 << 1, /* the active does not print in the middle of
+                                   the gate */
   EDA_PRINT_MERGED = 1 << 2,    /* the printed poly or active has no edge up to
                                    half of the free space, or up to 300 nm
                                    beyond the drawn edge */

@@ -9,8 +9,10 @@ OPC_C_BEGIN
 
 /* Parse a note into *out: words with blanks or commas between them, weight=...,
    ion=..., ioff=..., area=.... Words with a dot in their name are for other
-   programs and ignored; a note that begins with # is a comment. Return NULL, or
-   a description of the fault, which the caller frees with g_free. [any] */
+   programs and ignored; a note that begins with # is a comment. Values that the
+   note does not set are those of eda_goal_none. out->given is 0 for an empty
+   note and for a comment, otherwise 1. Return NULL, or a description of the
+   fault, which the caller frees with g_free. [any] */
 OPC_EXPORT char *eda_goal_parse(const char *note, eda_goal *out);
 
 /* Return NULL if all values are within their bounds, otherwise the noun of the
