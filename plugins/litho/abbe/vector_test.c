@@ -210,9 +210,22 @@ static void test_sum(void) {
     }
 }
 
+/* Skip an accuracy test under the sanitizer, where the three tests take
+   minutes. The other tests run the same code. Return whether the test is
+   skipped. */
+static int skip_sanitized(void) {
+#ifdef __SANITIZE_ADDRESS__
+  g_test_skip("accuracy is tested without the sanitizer");
+  return 1;
+#else
+  return 0;
+#endif
+}
+
 /* Test a grating with an extended source of 200,000 points. The image is the
    same for both halves of the source, so that one half suffices. */
 static void test_disks(void) {
+  if (skip_sanitized()) return;
   static const struct {
     scanner s;
     const char *polarisation, *parameters;
@@ -299,6 +312,7 @@ static double difference(const eda_field *a, const eda_field *b, int turned) {
    remaining difference comes from the source points of litho.abbe (README), for
    other sources from the tables of litho.hopkins. */
 static void test_models(void) {
+  if (skip_sanitized()) return;
   static const struct {
     const char *optics, *points, *kernels;
     double reach;
@@ -375,6 +389,7 @@ static void test_clear(void) {
 /* Test the limit of small NA, a scalar wave: NA and wavelength are a hundredth
    of the usual values. */
 static void test_paraxial(void) {
+  if (skip_sanitized()) return;
   for (size_t m = 0; m < G_N_ELEMENTS(models); m++)
     for (size_t k = 0; k < G_N_ELEMENTS(polarised); k++)
       for (int steep = 0; steep < (m ? 1 : 2); steep++) {
