@@ -222,6 +222,10 @@ static int skip_sanitized(void) {
 #endif
 }
 
+#define WATER "na: 1.35, index: 1.437, "
+#define AIR "na: 0.93, "
+#define RIM WATER "source: annular, sigma_in: 0.65, "
+
 /* Test a grating with an extended source of 200,000 points. The image is the
    same for both halves of the source, so that one half suffices. */
 static void test_disks(void) {
@@ -232,30 +236,9 @@ static void test_disks(void) {
     double sigma, sigma_in, width, pitch, reach;
   } cases[] = {
       {{193, 0.75, 1, 1.7, 0}, "unpolarised", "", 0.75, 0, 65, 250, 1e-4},
-      {{193, 0.93, 1, 1.7, 60},
-       "unpolarised",
-       "na: 0.93, ",
-       0.75,
-       0,
-       65,
-       200,
-       2e-4},
-      {{193, 1.35, 1.437, 1.7, 0},
-       "tangential",
-       "na: 1.35, index: 1.437, source: annular, sigma_in: 0.65, ",
-       0.9,
-       0.65,
-       50,
-       190,
-       1e-4},
-      {{193, 1.35, 1.437, 1.7, 0},
-       "radial",
-       "na: 1.35, index: 1.437, source: annular, sigma_in: 0.65, ",
-       0.9,
-       0.65,
-       50,
-       130,
-       1e-4},
+      {{193, 0.93, 1, 1.7, 60}, "unpolarised", AIR, 0.75, 0, 65, 200, 2e-4},
+      {{193, 1.35, 1.437, 1.7, 0}, "tangential", RIM, .9, .65, 50, 190, 1e-4},
+      {{193, 1.35, 1.437, 1.7, 0}, "radial", RIM, .9, .65, 50, 130, 1e-4},
   };
   enum { ACROSS = 500, REACH = 4 };
   for (size_t c = 0; c < G_N_ELEMENTS(cases); c++) {
@@ -305,8 +288,6 @@ static double difference(const eda_field *a, const eda_field *b, int turned) {
   }
   return worst;
 }
-
-#define WATER "na: 1.35, index: 1.437, "
 
 /* Compare both models for shapes without symmetry. For whole rings the
    remaining difference comes from the source points of litho.abbe (README), for
