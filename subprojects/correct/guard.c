@@ -296,8 +296,6 @@ static eda_box window_of(const hold *h, size_t gate, double nm) {
   return box_grown(h->l->gates->box[gate], nm / h->l->gates->grid);
 }
 
-static const gate_moves as_drawn;
-
 static void set_gate(hold *h, size_t i, const gate_moves *to) {
   biases *b = &h->l->next.biases;
   b->l[i] = to->l;
@@ -312,7 +310,7 @@ static void set_gate(hold *h, size_t i, const gate_moves *to) {
 static void drop_rules(hold *h, size_t gate, double nm) {
   loop *l = h->l;
   eda_box window = window_of(h, gate, nm);
-  l->next.biases.end[2 * gate] = l->next.biases.end[2 * gate + 1] = 0;
+  correct_start_reset_ends(&l->start, &l->next.biases, gate);
   for (size_t k = 0; k < l->gates->layers; k++) {
     if (l->driver_of[k] != MAIN) continue;
     correct_trial_reset_boxes(&l->next.added[k], window,
@@ -327,10 +325,8 @@ static void set_around(hold *h, size_t gate, double nm) {
   loop *l = h->l;
   eda_box window = window_of(h, gate, nm);
   eda_finder f = eda_index_find(h->gates, window);
-  for (uint32_t i; eda_index_next(&f, &i);) {
-    set_gate(h, i, &as_drawn);
-    l->next.biases.end[2 * i] = l->next.biases.end[2 * i + 1] = 0;
-  }
+  for (uint32_t i; eda_index_next(&f, &i);)
+    correct_start_reset(&l->start, &l->next.biases, i, 1);
   set_fragments(h, window, 0);
   drop_rules(h, gate, nm);
   for (size_t k = 0; k < l->gates->layers; k++)
@@ -345,8 +341,11 @@ static double level_radius(int level) {
 
 static void set_level(hold *h, size_t i) {
   const guarded *s = &h->l->guard.state[i];
+  const eda_moved *from = h->l->start.from;
   const gate_moves half = {
-      .l = s->best.l / 2, .w = s->best.w / 2, .aside = s->best.aside / 2};
+      .l = (s->best.l + (from ? from->l[i] : 0)) / 2,
+      .w = (s->best.w + (from ? from->w[i] : 0)) / 2,
+      .aside = (s->best.aside + (from ? from->aside[i] : 0)) / 2};
   eda_box own = window_of(h, i, tuned.reach);
   switch (s->level) {
     case GUARD_BEST:
@@ -357,7 +356,7 @@ static void set_level(hold *h, size_t i) {
       set_fragments(h, own, 0.5);
       break;
     case GUARD_DRAWN:
-      set_gate(h, i, &as_drawn);
+      correct_start_reset(&h->l->start, &h->l->next.biases, i, 0);
       set_fragments(h, own, 0);
       break;
     default:
@@ -397,9 +396,10 @@ static size_t hold_advance(hold *h) {
 
 static void hold_revert_all(hold *h) {
   trial *next = &h->l->next;
-  memset(next->biases.w, 0, TRIAL_BIASES * next->gates * sizeof(int32_t));
-  for (size_t i = 0; i < next->gates; i++)
+  for (size_t i = 0; i < next->gates; i++) {
+    correct_start_reset(&h->l->start, &next->biases, i, 1);
     h->l->guard.state[i].level = GUARD_SURROUNDED;
+  }
   for (size_t k = 0; k < next->layers; k++) {
     if (h->l->driver_of[k] != MAIN) continue;
     next->assists[k].count = 0;
@@ -474,7 +474,7 @@ static int try_cause(hold *h, int t, uint8_t *open, opc_error *error) {
       set_around(h, i, nm);
       continue;
     }
-    set_gate(h, i, &as_drawn);
+    correct_start_reset(&h->l->start, &h->l->next.biases, i, 0);
     set_fragments(h, window_of(h, i, tuned.reach), 0);
     drop_rules(h, i, nm);
   }

@@ -84,15 +84,10 @@ static void loop_show(loop *l) {
     }
 }
 
-/* Clear the displacements of transistors that keep their masks. */
+/* Reset the displacements of transistors that keep their masks. */
 static void keep_still(loop *l) {
-  biases *b = &l->next.biases;
-  for (size_t i = 0; l->still && i < l->gates->count; i++) {
-    if (!l->still[i]) continue;
-    b->w[i] = b->aside[i] = b->l[i] = b->jog[i] = 0;
-    b->end[2 * i] = b->end[2 * i + 1] = 0;
-    b->part[EDA_PARTS * i] = (eda_part){0};
-  }
+  for (size_t i = 0; l->still && i < l->gates->count; i++)
+    if (l->still[i]) correct_start_reset(&l->start, &l->next.biases, i, 1);
 }
 
 /* Measure and record a simulation of the layers k with printed[k] = 1. */
@@ -105,6 +100,7 @@ static int take_in(loop *l, const uint8_t *printed, int fine,
                             &l->printer.print[k],
                             eda_scanner_of(&l->printer.litho.module));
   if (code) return code;
+  if (!l->guard.prints) correct_start_open(l, 0);
   loop_show(l);
   l->summary = correct_summarize(l->gates, &l->design, &l->measured.performance,
                                  l->measured.flags, l->sites);
@@ -482,6 +478,8 @@ static void begin_with(loop *l) {
   if (!l->start.mask) return;
   l->base = l->start.mask->moved;
   l->now.biases.base = l->next.biases.base = l->base;
+  for (size_t i = 0; i < l->gates->count; i++)
+    correct_start_reset(&l->start, &l->next.biases, i, 1);
   for (size_t k = 0; k < layers; k++) {
     const eda_box_list *added = &l->base->added[k],
                        *cutouts = &l->base->cutouts[k];
@@ -547,6 +545,7 @@ int correct_loop_run(loop *l, opc_error *error) {
   eda_printed drawn = correct_loop_printed(l);
   code = correct_guard_begin(l, &drawn, error);
   correct_start_prune(l);
+  correct_start_open(l, 1);
   if (!code)
     code = correct_fine_by_layer(&l->printer, l->host, l->gates, l->extractor,
                                  l->fine_change, error);

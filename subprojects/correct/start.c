@@ -55,13 +55,66 @@ int correct_start_hold(loop *l, opc_error *error) {
   return l->host->metric(l->host, "refined", (double)refined, error);
 }
 
+void correct_start_reset_ends(const loop_start *s, biases *b, size_t i) {
+  for (size_t end = 2 * i; end < 2 * i + 2; end++)
+    b->end[end] = s->from ? s->from->end[end] : 0;
+}
+
+void correct_start_reset(const loop_start *s, biases *b, size_t i, int ends) {
+  const eda_moved *from = s->from;
+  eda_part *part = b->part + EDA_PARTS * i;
+  b->w[i] = from ? from->w[i] : 0;
+  b->aside[i] = from ? from->aside[i] : 0;
+  b->l[i] = from ? from->l[i] : 0;
+  b->jog[i] = from ? from->jog[i] : 0;
+  memset(part, 0, EDA_PARTS * sizeof *part);
+  if (from) memcpy(part, from->part + EDA_PARTS * i, EDA_PARTS * sizeof *part);
+  if (ends) correct_start_reset_ends(s, b, i);
+}
+
+/* Remove the shapes of a transistor from the shapes of the start. */
+static void drop_owned(loop *l, uint32_t gate) {
+  for (size_t k = 0; k < 2 * l->gates->layers; k++) {
+    eda_box *box = (eda_box *)l->begun[k].box;
+    uint32_t *owner = l->start.owner[k];
+    size_t kept = 0;
+    for (size_t i = 0; i < l->begun[k].count; i++) {
+      if (owner[i] == gate) continue;
+      box[kept] = box[i];
+      owner[kept++] = owner[i];
+    }
+    l->begun[k].count = kept;
+  }
+}
+
+static void open_one(loop *l, size_t i) {
+  const loop_start *s = &l->start;
+  if (!l->still[i] || !(s->limit[i] < INFINITY)) return;
+  l->still[i] = 0;
+  drop_owned(l, (uint32_t)i);
+}
+
+void correct_start_open(loop *l, int violations) {
+  const loop_start *s = &l->start;
+  if (!s->limit) return;
+  for (size_t k = 0; violations && k < l->guard.rules; k++)
+    if (l->guard.drawn[k].gate >= 0)
+      open_one(l, (size_t)l->guard.drawn[k].gate);
+  for (size_t i = 0; !violations && i < l->gates->count; i++) {
+    double off =
+        eda_deviation(l->measured.performance.ion[i], l->design.ion[i]);
+    if (eda_print_failed(l->measured.flags[i]) || fabs(off) > s->limit[i])
+      open_one(l, i);
+  }
+}
+
 /* Half size of the window around a violation, nm; larger than the distance of
    regulator.drc's repairs from the violation. */
 static const double beside = 150;
 
 void correct_start_prune(loop *l) {
   double grid = l->gates->grid;
-  for (size_t i = 0; l->base && i < l->guard.rules; i++) {
+  for (size_t i = 0; l->base && !l->start.owner && i < l->guard.rules; i++) {
     const eda_violation *v = &l->guard.drawn[i];
     eda_box near = {
         (int32_t)((v->x - beside) / grid), (int32_t)((v->y - beside) / grid),

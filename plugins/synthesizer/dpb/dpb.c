@@ -111,8 +111,10 @@ static void dpb_clear(void *self) {
 
 /* ---- entry ---- */
 
-static const eda_synthesizer functions = {
-    .begin = dpb_begin, .update = dpb_update, .verdict = dpb_verdict};
+static const eda_synthesizer functions = {.begin = dpb_begin,
+                                          .update = dpb_update,
+                                          .verdict = dpb_verdict,
+                                          .flags = EDA_SYNTHESIZER_CONTINUES};
 
 OPC_PLUGIN(dpb, .id = "synthesizer.dpb", .kind = "synthesizer",
            .version = "0.2.0", .licence = "BSD-3-Clause",

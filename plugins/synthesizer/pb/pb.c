@@ -143,6 +143,7 @@ static void pb_clear(void *self) { descent_clear(&((pb *)self)->descent); }
 static const eda_synthesizer functions = {.begin = pb_begin,
                                           .update = pb_update,
                                           .verdict = pb_verdict,
+                                          .flags = EDA_SYNTHESIZER_CONTINUES,
                                           .target = pb_target};
 
 OPC_PLUGIN(pb, .id = "synthesizer.pb", .kind = "synthesizer",

@@ -132,6 +132,19 @@ static int work_refine(work *w, int *done, opc_error *error) {
   return code;
 }
 
+/* Refine the masks of cells where the neighbours disturb them. The loop itself
+   finds these transistors in its first simulation. */
+static int refine_placed(work *w, opc_error *error) {
+  prints_find(w);
+  uint32_t *prints = eda_alloc(w->chip->prints, sizeof *prints);
+  for (size_t k = 0; k < w->chip->prints; k++) prints[k] = (uint32_t)k;
+  int code = correct_prints(w, prints, w->chip->prints, error);
+  free(prints);
+  prints_clear(w);
+  w->round++;
+  return code;
+}
+
 static int work_all(work *w, opc_error *error) {
   int done = 0;
   w->host->log(w->host, OPC_LOG_INFO,
@@ -143,9 +156,11 @@ static int work_all(work *w, opc_error *error) {
   int code = work_phase(w, 0.6, error);
   if (!code) code = correct_classes(w, error);
   if (!code) code = work_phase(w, 0.2, error);
-  if (!code) code = verify_all(w, error);
   done = w->cells.used && !w->cells.verify;
-  for (w->round = 1; !code && !done && (int64_t)w->round <= w->rounds;
+  if (!code && !done && w->rounds && work_continues(w))
+    code = refine_placed(w, error);
+  if (!code) code = verify_all(w, error);
+  for (w->round++; !code && !done && (int64_t)w->round <= w->rounds;
        w->round++) {
     code = work_phase(w, 0.1 / (double)w->rounds, error);
     if (!code) code = work_refine(w, &done, error);

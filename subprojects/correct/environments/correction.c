@@ -26,32 +26,108 @@ typedef struct head {
 
 /* ---- start of the loop ---- */
 
-/* Return the masks from which the loop on a sheet starts: the masks of the
-   chip, but drawn edges for the transistors to correct. These are the
-   transistors within the radius of which all transistors belong to split
-   prints. *still receives 1 for all other transistors; the loop frees
-   *still. */
-static eda_mask *fixed_masks(const correction *m, const sheet *s,
-                             uint8_t **still) {
+/* Start of the loop of a refinement; fields as in loop_start. */
+typedef struct beginning {
+  eda_mask *mask;
+  eda_moved *from;
+  double *limit;
+  uint32_t **owner; /* [2 * layers] */
+} beginning;
+
+/* Set still[i] to 0 for each transistor of a split print within the radius of a
+   selected transistor, and to 1 for all other transistors of a sheet. */
+static void find_still(const correction *m, const sheet *s, uint8_t *still) {
   const work *w = m->on.work;
   const eda_gates *g = s->gates;
-  eda_mask *mask = eda_mask_new(g);
-  mask->moved = eda_moved_new(g->layers, g->count);
-  memset(*still = eda_alloc(g->count, 1), 1, g->count);
+  memset(still, 1, g->count);
   eda_index *index = eda_index_new(g->box, g->count, 0);
   for (size_t i = 0; i < g->count; i++) {
     if (s->place[i] == UINT32_MAX) continue;
     eda_finder f = eda_index_find(index, eda_box_grown(g->box[i], w->radius));
     for (uint32_t k; eda_index_next(&f, &k);)
-      (*still)[k] &= !m->wide[w->chip->gate[s->of[k]].print];
+      still[k] &= !m->wide[w->chip->gate[s->of[k]].print];
   }
-  for (size_t i = 0; i < g->count; i++)
-    if ((*still)[i])
-      eda_chip_move(w->chip, s->of[i], g->box[i], mask->moved, i);
-  for (size_t i = 0; i < g->count && w->cells.used; i++)
-    mask->moved->seen[i] = w->alone[w->chip->gate[s->of[i]].mask].seen;
   eda_index_free(index);
-  return mask;
+}
+
+/* Move the displacements of gate i from one mask to another. */
+static void pass_moves(eda_moved *from, eda_moved *to, size_t i) {
+  eda_part *parts = from->part + EDA_PARTS * i;
+  to->w[i] = from->w[i];
+  to->aside[i] = from->aside[i];
+  to->l[i] = from->l[i];
+  to->jog[i] = from->jog[i];
+  memcpy(to->part + EDA_PARTS * i, parts, EDA_PARTS * sizeof *parts);
+  memcpy(to->end + 2 * i, from->end + 2 * i, 2 * sizeof *to->end);
+  from->w[i] = from->aside[i] = from->l[i] = from->jog[i] = 0;
+  from->end[2 * i] = from->end[2 * i + 1] = 0;
+  memset(parts, 0, EDA_PARTS * sizeof *parts);
+}
+
+/* Append transistor i to the owners of the shapes that its mask added. */
+static void add_owner(beginning *b, size_t *capacity, size_t *count, size_t i) {
+  size_t layers = b->mask->layers;
+  const eda_moved *m = b->mask->moved;
+  for (size_t k = 0; k < 2 * layers; k++) {
+    size_t n = k < layers ? m->added[k].count : m->cutouts[k - layers].count;
+    while (count[k] < n)
+      EDA_PUSH(b->owner[k], count[k], capacity[k], (uint32_t)i);
+  }
+}
+
+/* Start from the masks of all transistors. Those that the loop may correct keep
+   them until their deviation exceeds their limit. */
+static void begin_placed(const correction *m, const sheet *s, uint8_t *still,
+                         beginning *out) {
+  const work *w = m->on.work;
+  size_t n = s->gates->count, lists = 2 * s->gates->layers;
+  size_t *capacity = eda_alloc(lists, sizeof *capacity),
+         *count = eda_alloc(lists, sizeof *count);
+  out->from = eda_moved_new(s->gates->layers, n);
+  out->limit = eda_alloc(n, sizeof *out->limit);
+  out->owner = eda_alloc(lists, sizeof(uint32_t *));
+  for (size_t i = 0; i < n; i++) {
+    const eda_chip_gate *g = &w->chip->gate[s->of[i]];
+    eda_chip_move(w->chip, s->of[i], s->gates->box[i], out->mask->moved, i);
+    add_owner(out, capacity, count, i);
+    out->limit[i] = still[i] ? INFINITY : mask_limit(w, g->mask);
+    if (!still[i]) pass_moves(out->mask->moved, out->from, i);
+    still[i] = 1;
+  }
+  free(capacity);
+  free(count);
+}
+
+/* Return the masks from which the loop on a sheet starts. Without a limit for
+   each transistor, the transistors to correct have drawn edges. *still receives
+   1 for all transistors that keep their masks; the loop frees *still. */
+static beginning begin_with(const correction *m, const sheet *s,
+                            uint8_t **still) {
+  const work *w = m->on.work;
+  const eda_gates *g = s->gates;
+  beginning b = {.mask = eda_mask_new(g)};
+  b.mask->moved = eda_moved_new(g->layers, g->count);
+  *still = eda_alloc(g->count, 1);
+  find_still(m, s, *still);
+  if (work_continues(w)) {
+    begin_placed(m, s, *still, &b);
+  } else {
+    for (size_t i = 0; i < g->count; i++)
+      if ((*still)[i])
+        eda_chip_move(w->chip, s->of[i], g->box[i], b.mask->moved, i);
+  }
+  for (size_t i = 0; i < g->count && w->cells.used; i++)
+    b.mask->moved->seen[i] = w->alone[w->chip->gate[s->of[i]].mask].seen;
+  return b;
+}
+
+static void beginning_clear(beginning *b) {
+  for (size_t k = 0; b->owner && k < 2 * b->mask->layers; k++)
+    free(b->owner[k]);
+  free(b->owner);
+  free(b->limit);
+  eda_moved_free(b->from);
+  eda_mask_free(b->mask);
 }
 
 /* ---- results of the loop ---- */
@@ -73,21 +149,28 @@ static void owned_add(owned *to, uint32_t gate, eda_chip_box box) {
   to->first[gate] = (uint32_t)to->count;
 }
 
+/* Transistors that can own added shapes: those without a fixed mask. */
+typedef struct owners {
+  eda_index *index;
+  const uint32_t *gate; /* numbers of the transistors of the index */
+} owners;
+
 /* Add a part of an added shape or cut-out to its owner, the nearest transistor.
    The part is clipped at the radius around the owner, because the environment
    is equal throughout the class only within the radius. If several transistors
    are at the smallest distance, each of them is an owner, because any of them
    may be the representative; equal shapes merge. */
-static void own_part(const work *w, const eda_gates *g, const eda_index *index,
+static void own_part(const work *w, const eda_gates *g, const owners *among,
                      eda_chip_box part, owned *to) {
   int32_t r = w->radius;
   eda_box near = eda_box_grown(part.box, r);
   double least = INFINITY;
-  eda_finder f = eda_index_find(index, near);
-  for (uint32_t i; eda_index_next(&f, &i);)
-    least = fmin(least, eda_box_distance(part.box, g->box[i]));
-  f = eda_index_find(index, near);
-  for (uint32_t i; eda_index_next(&f, &i);) {
+  eda_finder f = eda_index_find(among->index, near);
+  for (uint32_t k; eda_index_next(&f, &k);)
+    least = fmin(least, eda_box_distance(part.box, g->box[among->gate[k]]));
+  f = eda_index_find(among->index, near);
+  for (uint32_t k; eda_index_next(&f, &k);) {
+    uint32_t i = among->gate[k];
     if (eda_box_distance(part.box, g->box[i]) > least) continue;
     eda_box b = eda_box_grown(g->box[i], r);
     b = (eda_box){MAX(b.x0, part.box.x0), MAX(b.y0, part.box.y0),
@@ -100,35 +183,60 @@ static void own_part(const work *w, const eda_gates *g, const eda_index *index,
 
 /* Divide a long shape into parts, because parts may be near different
    transistors, and add each part to its owner. */
-static void own_box(const work *w, const eda_gates *g, const eda_index *index,
+static void own_box(const work *w, const eda_gates *g, const owners *among,
                     eda_chip_box all, owned *to) {
   eda_chip_box low = all, high = all;
   int32_t most = MAX(w->radius / 2, 1), wide = all.box.x1 - all.box.x0,
           tall = all.box.y1 - all.box.y0;
   if (wide <= most && tall <= most) {
-    own_part(w, g, index, all, to);
+    own_part(w, g, among, all, to);
     return;
   }
   if (wide >= tall)
     low.box.x1 = high.box.x0 = all.box.x0 + wide / 2;
   else
     low.box.y1 = high.box.y0 = all.box.y0 + tall / 2;
-  own_box(w, g, index, low, to);
-  own_box(w, g, index, high, to);
+  own_box(w, g, among, low, to);
+  own_box(w, g, among, high, to);
 }
 
+static owners owners_find(const loop *l) {
+  const eda_gates *g = l->gates;
+  uint32_t *gate = eda_alloc(g->count, sizeof *gate);
+  eda_box *box = eda_alloc(g->count, sizeof *box);
+  size_t n = 0;
+  for (uint32_t i = 0; i < g->count; i++) {
+    if (l->still && l->still[i]) continue;
+    box[n] = g->box[i];
+    gate[n++] = i;
+  }
+  const owners all = {eda_index_new(box, n, 0), gate};
+  free(box);
+  return all;
+}
+
+static int box_is_in(eda_boxes all, eda_box b) {
+  for (size_t i = 0; i < all.count; i++)
+    if (!memcmp(&all.box[i], &b, sizeof b)) return 1;
+  return 0;
+}
+/* Assign the regulator's shapes of a loop to transistors. Shapes from which the
+   loop started belong to fixed masks. */
 static void own_all(const work *w, const loop *l, owned *out) {
   const eda_gates *g = l->gates;
   *out = (owned){.first = eda_alloc(g->count, sizeof *out->first)};
-  eda_index *index = eda_index_new(g->box, g->count, 0);
+  owners among = owners_find(l);
   for (size_t k = g->layers; k-- > 0;)
     for (int cutout = 1; cutout >= 0; cutout--) {
-      eda_boxes b = cutout ? l->now.cutouts[k] : l->now.added[k];
+      eda_boxes b = cutout ? l->now.cutouts[k] : l->now.added[k],
+                begun = correct_loop_begun(l, k, cutout);
       for (size_t i = b.count; i-- > 0;)
-        own_box(w, g, index,
-                (eda_chip_box){b.box[i], (uint16_t)k, (uint16_t)cutout}, out);
+        if (!box_is_in(begun, b.box[i]))
+          own_box(w, g, &among,
+                  (eda_chip_box){b.box[i], (uint16_t)k, (uint16_t)cutout}, out);
     }
-  eda_index_free(index);
+  eda_index_free(among.index);
+  free((uint32_t *)among.gate);
 }
 
 static void owned_clear(owned *o) {
@@ -176,7 +284,9 @@ int correction_put(const work *w, const loop *l, const uint32_t *place,
                   l->printer.fine_simulations, 0};
   out->add(out, &h, sizeof h);
   for (size_t i = 0; i < l->gates->count; i++)
-    if (place[i] != UINT32_MAX) put_one(l, &o, place[i], i, out);
+    /* A transistor within its limit keeps its mask. */
+    if (place[i] != UINT32_MAX && !(l->start.limit && l->still[i]))
+      put_one(l, &o, place[i], i, out);
   owned_clear(&o);
   return OPC_OK;
 }
@@ -219,12 +329,18 @@ static int correct_gates(const correction *m, const sheet *s, opc_bytes *out,
   correct_loop_init(&l, &in.host, s->gates, &with);
   l.prepared = 1;
   l.printer.drawn = NULL; /* all sheets share one resist calibration */
-  eda_mask *begun = m->wide ? fixed_masks(m, s, &l.still) : NULL;
-  l.start.mask = begun;
+  beginning begun = {0};
+  if (m->wide) begun = begin_with(m, s, &l.still);
+  l.start.mask = begun.mask;
+  l.start.from = begun.from;
+  l.start.limit = begun.limit;
+  l.start.owner = begun.owner;
+  /* The guard would revert transistors to masks that neighbours disturb. */
+  l.hold &= !begun.limit;
   int code = correct_loop_run(&l, error);
   if (!code) code = correction_put(w, &l, s->place, out, error);
   correct_loop_clear(&l);
-  eda_mask_free(begun);
+  if (m->wide) beginning_clear(&begun);
   return code;
 }
 
@@ -302,11 +418,13 @@ static void take_one(correction *m, const corrected *one, const char *at) {
   work *w = m->on.work;
   const eda_chip_gate *g = &w->chip->gate[m->on.number[one->place]];
   uint32_t was = g->mask, *mask = &m->mask[one->place];
-  if (m->wide && !(one->off < print_beyond(w, g))) return;
+  int placed = m->wide && work_continues(w);
+  if (m->wide && !placed && !(one->off < print_beyond(w, g))) return;
   *mask = correction_take(w, at);
   if (!m->wide) return;
   w->before[*mask] = w->before[was];
   if (w->cells.used) w->alone[*mask] = w->alone[was];
+  if (placed) w->alone[*mask].refined = 1;
 }
 
 static int take_sheet(void *data, size_t i, const void *bytes, size_t size,

@@ -112,6 +112,12 @@ void prints_find(work *w) {
   free(s.sum);
 }
 
+void prints_clear(work *w) {
+  g_hash_table_remove_all(w->prints);
+  g_ptr_array_set_size(w->sums, 0);
+  w->chip->prints = 0;
+}
+
 /* ---- printing ---- */
 
 typedef struct verify_run {
@@ -203,14 +209,25 @@ int work_is_fast(const work *w) {
   return w->cells.used && !isnan(w->cells.max_diff) && w->with->fine > 0;
 }
 
+int work_continues(const work *w) {
+  const eda_synthesizer *s = w->with->synthesizer->functions;
+  return w->cells.used && !isnan(w->cells.max_diff) &&
+         s->flags & EDA_SYNTHESIZER_CONTINUES;
+}
+
+double mask_limit(const work *w, uint32_t mask) {
+  if (!w->cells.used || isnan(w->cells.max_diff))
+    return tuned.split * w->with->ion_limit;
+  const alone *a = &w->alone[mask];
+  double off = a->known ? print_deviation(&a->result) : 0;
+  double limit = w->cells.max_diff + (isfinite(off) ? off : 0);
+  /* The synthesizer has finished transistors within `ion_limit`. */
+  return a->refined ? fmax(limit, w->with->ion_limit) : limit;
+}
+
 double print_beyond(const work *w, const eda_chip_gate *g) {
   const class_result *p = &w->print[g->print];
-  double limit = tuned.split * w->with->ion_limit, off = print_deviation(p);
-  if (w->cells.used && !isnan(w->cells.max_diff)) {
-    const alone *a = &w->alone[g->mask];
-    double alone_off = a->known ? print_deviation(&a->result) : 0;
-    limit = w->cells.max_diff + (isfinite(alone_off) ? alone_off : 0);
-  }
+  double limit = mask_limit(w, g->mask), off = print_deviation(p);
   return off > limit ? off : p->violations ? limit : NAN;
 }
 

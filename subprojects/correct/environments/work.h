@@ -45,11 +45,11 @@ typedef struct class_result {
 
 /* Figures of a mask in the cell for which it was made. `known`: 0: the mask was
    made in the layout. `seen`: ln(Ion of a fast simulation / Ion of an accurate
-   one), as in eda_moved. */
+   one), as in eda_moved. `refined`: 1: the mask was refined in the layout. */
 typedef struct alone {
   class_result result;
   double seen;
-  uint64_t known;
+  uint32_t known, refined;
 } alone;
 
 /* Rule violations (faults.c). */
@@ -125,6 +125,8 @@ int correct_prints(work *work, const uint32_t *prints, size_t n,
 /* Set the print of each transistor according to its masked environment within
    `margin`. New prints have no figures yet. (verification.c) */
 void prints_find(work *work);
+/* Remove all prints and their figures. */
+void prints_clear(work *work);
 /* Simulate one transistor of each new masked environment. Fill work.print and
    the `print` of each transistor. */
 int verify_all(work *work, opc_error *error);
@@ -139,6 +141,11 @@ double print_deviation(const class_result *print);
    rule, or if it deviates by more than a part of `ion_limit`. With `max_diff`,
    the limit is the deviation in the cell plus `max_diff` (thesis eq. 4.1). */
 double print_beyond(const work *work, const eda_chip_gate *gate);
+/* Return the |Ion deviation|, %, beyond which a mask is refined. */
+double mask_limit(const work *work, uint32_t mask);
+/* Return 1 if a refinement with `max_diff` starts from the present masks, and
+   only transistors beyond their limits leave these. */
+int work_continues(const work *work);
 /* Return 1 if the masks are simulated by the fast model, and the results
    corrected by the ratio of the models in the cells. */
 int work_is_fast(const work *work);

@@ -6,6 +6,8 @@
 #include <eda/gates.h>
 #include <opcflow/plugin.h>
 
+#include <correct/trial.h>
+
 struct loop;
 
 typedef struct loop_start {
@@ -15,6 +17,21 @@ typedef struct loop_start {
      with a larger increase are corrected. NAN: all transistors are
      corrected. */
   double max_diff;
+  /* Displacements of the transistors that may be corrected, for a synthesizer
+     that continues from them (EDA_SYNTHESIZER_CONTINUES), instead of those of
+     `mask`; 0 for all other transistors. Orientations (`flip`) and added shapes
+     are not used. NULL: no displacements. */
+  const eda_moved *from;
+  /* [gates], with `from`: a transistor with loop.still = 1 keeps its mask until
+     its |Ion deviation| in a simulation exceeds this value, %, or until it
+     violates a rule in the first simulation; INFINITY: always. NULL: loop.still
+     does not change. */
+  const double *limit;
+  /* [2 * layers], with `limit`: numbers of the transistors to which the shapes
+     belong that `mask` adds to a layer, then to which its cut-outs belong. The
+     loop removes the shapes of a transistor that it begins to correct, and the
+     regulator repairs the mask anew. Changed by the loop. */
+  uint32_t **owner;
 } loop_start;
 
 /* Return OPC_INVALID if the mask is by classes, belongs to other gates or has
@@ -26,6 +43,19 @@ OPC_EXPORT int correct_start_check(const loop_start *start,
    simulation, and publish the number of the others as the metric "refined".
    Without `max_diff` do nothing. */
 OPC_EXPORT int correct_start_hold(struct loop *loop, opc_error *error);
+
+/* With `limit`, select the transistors that the last simulation requires to
+   correct. With `violations`, these are the transistors that violate a rule of
+   the regulator in the first simulation, otherwise those beyond `limit`. */
+OPC_EXPORT void correct_start_open(struct loop *loop, int violations);
+
+/* Set the displacements of gate i to those from which the loop starts; with
+   `ends`, also those of its line ends. correct_start_reset_ends: only those of
+   its line ends. */
+OPC_EXPORT void correct_start_reset(const loop_start *start, biases *biases,
+                                    size_t i, int ends);
+OPC_EXPORT void correct_start_reset_ends(const loop_start *start,
+                                         biases *biases, size_t i);
 
 /* Remove the shapes that the earlier regulator added or cut out near violations
    of the first simulation, because these shapes were made for other neighbours.

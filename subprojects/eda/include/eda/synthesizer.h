@@ -121,7 +121,12 @@ enum {
   /* The regulator may change line ends and added shapes together with the first
      moves. Otherwise the regulator finishes before the first moves, because the
      synthesizer would attribute the effect of the regulator to the moves. */
-  EDA_SYNTHESIZER_ENDS_ANYTIME = 1 << 0
+  EDA_SYNTHESIZER_ENDS_ANYTIME = 1 << 0,
+
+  /* The simulated mask of iteration 0 may contain displacements of gates:
+     `update` changes the values in `moves`. Otherwise the first simulated mask
+     is the one to which `moves` are relative. Since 0.9. */
+  EDA_SYNTHESIZER_CONTINUES = 1 << 1
 };
 
 typedef struct eda_synthesizer {
