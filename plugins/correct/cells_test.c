@@ -97,14 +97,16 @@ static void test_orientations(void) {
   eda_layout_free(d.layout);
 }
 
+#define DPB ", synthesizer: { use: synthesizer.dpb }"
+
 /* Two cells, side by side, disturb each other. Return the largest |Ion
    deviation| of the flat simulation, %. */
-static double pair_off(const char *more, double *refined) {
+static double pair_off(const char *by, const char *more, double *refined) {
   drawing d = drawing_new();
   place_sample(&d, 0, 0, 0, 0, 1);
   place_sample(&d, 760, 0, 0, 0, 1);
   g_autofree char *all =
-      g_strconcat(NEWTON ", fine: 1e-4, margin: 2000 nm", more, NULL);
+      g_strconcat(by, ", fine: 1e-4, margin: 2000 nm", more, NULL);
   opc_module *m = cells_of(&d, all);
   eda_mask *mask = run_step(m);
   double most = 0;
@@ -125,12 +127,22 @@ static double pair_off(const char *more, double *refined) {
    ratio of the models in the cell, and of accurate simulations. */
 static void test_refined(void) {
   double n;
-  g_assert_cmpfloat(pair_off(", max_diff: 100 %", &n), >, 1);
+  g_assert_cmpfloat(pair_off(NEWTON, ", max_diff: 100 %", &n), >, 1);
   g_assert_true(n == 0);
-  g_assert_cmpfloat(pair_off(", max_diff: 0.5 %", &n), <, 1);
+  g_assert_cmpfloat(pair_off(NEWTON, ", max_diff: 0.5 %", &n), <, 1);
   g_assert_true(n >= 1 && n < 4);
-  g_assert_cmpfloat(pair_off("", &n), <, 0.5);
+  g_assert_cmpfloat(pair_off(NEWTON, "", &n), <, 0.5);
   g_assert_true(n >= 1);
+}
+
+/* A synthesizer that continues from the simulated mask starts from the placed
+   masks: with a limit that no disturbance exceeds, all masks stay. */
+static void test_continued(void) {
+  double n;
+  g_assert_cmpfloat(pair_off(DPB, ", max_diff: 100 %", &n), >, 1);
+  g_assert_true(n == 0);
+  g_assert_cmpfloat(pair_off(DPB, ", max_diff: 0.2 %", &n), <, 0.7);
+  g_assert_true(n >= 1 && n <= 4);
 }
 
 /* Return the largest |Ion deviation| in the middle of rows of cells, with the
@@ -199,6 +211,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/cells/orientations", test_orientations);
   g_test_add_func("/cells/refined", test_refined);
+  g_test_add_func("/cells/continued", test_continued);
   g_test_add_func("/cells/neighbours", test_neighbours);
   g_test_add_func("/cells/outside", test_outside);
   g_test_add_func("/cells/refused", test_refused);

@@ -75,8 +75,8 @@ static void add_owner(beginning *b, size_t *capacity, size_t *count, size_t i) {
   }
 }
 
-/* Start from the masks of all transistors. Those that the loop may correct keep
-   them until their deviation exceeds their limit. */
+/* Start from the masks of all transistors. A transistor that the loop may
+   correct keeps its mask until its deviation exceeds its limit. */
 static void begin_placed(const correction *m, const sheet *s, uint8_t *still,
                          beginning *out) {
   const work *w = m->on.work;
