@@ -9,13 +9,14 @@
 #
 # make fuzz [TARGET=gds] [RUNS=10000000]  libFuzzer on the parsers, with clang
 # make lint    clang-format and clang-tidy over all code
+# make site    the documents as web pages, in build/site (mkdocs)
 # make install [PREFIX=/usr/local] [DESTDIR=]  says where things went
 
 BUILD ?= build
 MESON_FLAGS ?=
 export MESONFLAGS =
 
-.PHONY: demo test bench sanitize coverage mutants fuzz lint install build clean
+.PHONY: demo test bench sanitize coverage mutants fuzz lint site install build clean
 
 demo: build
 	$(BUILD)/opcflow run flows/demo.yaml
@@ -29,7 +30,7 @@ $(BUILD)/build.ninja:
 	@rm -f $(BUILD).log
 
 test: build
-	@tools/install-packages zsh groff qemu-user python3-jsonschema ngspice iverilog python3-numpy
+	@tools/install-packages zsh groff qemu-user python3-jsonschema ngspice iverilog python3-numpy mkdocs python3-pip python3-wheel
 	@tools/run-tests $(BUILD)
 
 bench: build
@@ -70,6 +71,10 @@ lint: build
 	@tools/install-packages clang-format clang-tidy
 	@tools/format --check
 	@tools/lint $(BUILD)
+
+site:
+	@tools/install-packages mkdocs
+	@tools/site $(BUILD)/site
 
 install: build
 	@tools/install $(BUILD) $(abspath $(PREFIX))

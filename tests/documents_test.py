@@ -182,10 +182,35 @@ def try_tutorial(report, path):
         shutil.rmtree(folder)
 
 
+def try_site(report):
+    """Make the site: mkdocs reports links without a target. All links between the pages must
+    name a file, and each document has a page."""
+    if not shutil.which("mkdocs"):
+        report.record("site # SKIP mkdocs is not installed", "")
+        return
+    with tempfile.TemporaryDirectory(prefix="opcflow-site-") as folder:
+        said = ask([os.path.join(ROOT, "tools", "site"), folder], ROOT)
+        faults = said.stdout if said.returncode else ""
+        pages = glob.glob(os.path.join(folder, "**", "*.html"), recursive=True)
+        for page in pages:
+            with open(page) as f:
+                links = re.findall(r'(?:href|src)="([^"#?]+)', f.read())
+            for link in links:
+                target = os.path.join(os.path.dirname(page), link)
+                if ":" not in link and not link.startswith("/") and not os.path.exists(target):
+                    faults += "%s: no file '%s'\n" % (os.path.relpath(page, folder), link)
+        for path in documents("docs/", "plugins/"):
+            name = os.path.relpath(path, ROOT)[:-len(".md")].replace("README", "index") + ".html"
+            if not os.path.exists(os.path.join(folder, name)):
+                faults += "no page of %s\n" % name
+    report.record("site", faults)
+
+
 def main():
     report = Report()
     try_flows(report)
     try_links(report)
+    try_site(report)
     said = ask([os.path.join(ROOT, "tools", "results"), "--gallery"], ROOT)
     report.record("pictures of the gallery", said.returncode and said.stdout)
     for path in documents("docs/tutorial/"):

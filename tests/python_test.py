@@ -7,6 +7,7 @@ import hashlib
 import json
 import os
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -14,6 +15,7 @@ import sys
 import tempfile
 import time
 import traceback
+import zipfile
 
 BUILD, SOURCE = os.environ["OPCFLOW_BUILD"], os.environ["OPCFLOW_SOURCE"]
 OPCFLOW = os.path.join(BUILD, "opcflow")
@@ -212,10 +214,11 @@ def test_network():
         assert f.read() != g.read()
 
 
-def torch():
-    """Return an interpreter that has PyTorch, None if there is none."""
+def interpreter(modules):
+    """Return an interpreter that has NumPy and other modules, None if there is none."""
     for python in ("python3", "/usr/bin/python3"):
-        if not subprocess.run([python, "-c", "import torch"], capture_output=True).returncode:
+        if not subprocess.run([python, "-c", "import numpy, " + modules],
+                              capture_output=True).returncode:
             return python
     return None
 
@@ -223,7 +226,7 @@ def torch():
 def test_ilt():
     """Inverse lithography: the unit test, and a mask whose transistors are closer to the
     drawn ones than those of the drawn mask."""
-    python = torch()
+    python = interpreter("torch")
     if not python:
         return "python3 has no PyTorch"
     subprocess.run([python, "-B", os.path.join(EXAMPLES, "ilt_test.py")], check=True,
@@ -401,6 +404,31 @@ def test_runs():
     shutil.rmtree("out/x")
 
 
+def test_wheel():
+    """The wheel has the version of the project and the modules that are installed; a unit test
+    runs with the wheel alone."""
+    python = interpreter("setuptools, wheel, pip")
+    if not python:
+        return "python3 has no pip, setuptools or wheel"
+    package = os.path.join(SOURCE, "subprojects", "python")
+    shutil.copytree(package, "wheel", ignore=shutil.ignore_patterns("examples"))
+    made = subprocess.run([python, "-m", "pip", "wheel", "--no-deps", "--no-index",
+                           "--no-build-isolation", "--wheel-dir", ".", "./wheel"],
+                          capture_output=True, text=True)
+    assert not made.returncode, made.stdout + made.stderr
+    with open(os.path.join(package, "meson.build")) as f:
+        version = re.search(r"version: '(.*?)'", f.read())[1]
+    name = "opcflow-%s-py3-none-any.whl" % version
+    with zipfile.ZipFile(name) as wheel:
+        modules = sorted(n for n in wheel.namelist() if n.startswith("opcflow/"))
+    installed = os.listdir(os.path.join(BUILD, "subprojects", "python", "opcflow"))
+    assert modules == sorted("opcflow/" + n for n in installed if n.endswith(".py")), modules
+    subprocess.run(["python3", "-B", os.path.join(EXAMPLES, "pydpb_test.py")], check=True,
+                   env=dict(os.environ, PYTHONPATH=os.path.abspath(name)),
+                   stderr=subprocess.DEVNULL)
+    return None
+
+
 def test_modules():
     """A file without a dot in its name is a module of plugins, not a plugin."""
     write("plugins/module.py", "raise SystemExit('executed')\n")
@@ -414,7 +442,7 @@ def test_modules():
 def main():
     tests = [test_same_mask, test_inspect, test_key, test_kills, test_time_limit,
              test_host_killed, test_lint, test_kit, test_network, test_ilt, test_new, test_description,
-             test_runs, test_modules]
+             test_runs, test_wheel, test_modules]
     print("1..%d" % len(tests))
     if subprocess.run(["python3", "-c", "import numpy"], stderr=subprocess.DEVNULL).returncode:
         for i, test in enumerate(tests):
