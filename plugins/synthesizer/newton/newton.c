@@ -274,7 +274,7 @@ static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
    open line, shorter for a merged one. A known bracket is bisected. */
 static biases mask_search(const newton *t, const eda_feedback *f, size_t i) {
   const transistor *s = &t->state[i];
-  double grid = f->gates->grid, step = ceil(tuned.open_step / grid);
+  double grid = f->gates->grid, step = ceil(tuned.longest / 4 / grid);
   int longer = (f->flags[i] & EDA_PRINT_OPEN) != 0;
   if (!longer && !(f->flags[i] & EDA_PRINT_MERGED)) return s->now;
   uint32_t veto = longer ? EDA_VETO_LONGER : EDA_VETO_SHORTER;

@@ -15,7 +15,7 @@
 double newton_ion_limit(const newton *t) { return t->ion_limit / 100; }
 
 double newton_stop(const newton *t) {
-  return (1 - tuned.reserve) * newton_ion_limit(t);
+  return tuned.worthwhile * newton_ion_limit(t);
 }
 
 int biases_equal(biases a, biases b) {
@@ -292,7 +292,7 @@ static void newton_start(newton *t, const eda_feedback *f) {
       double before = s->error[ION];
       errors_with_line_ends(f, i, c, s->error);
       s->size = errors_size(t, s->error);
-      s->uncertainty = tuned.unforeseen * fabs(s->error[ION] - before);
+      s->uncertainty = tuned.least_doubt * fabs(s->error[ION] - before);
     }
     s->pull = pull_of(t, s);
     trust_see(&s->trust, s->x[BY_L], s->pull);
@@ -341,7 +341,7 @@ static void responses_learn_common(newton *t, const eda_feedback *f,
       if ((f->gates->type[i] == EDA_PMOS) != type) continue;
       response *r = &t->state[i].response;
       for (int e = 0; e < ERRORS; e++) r->by[e][BY_L] *= factor;
-      r->doubt[BY_L] = tuned.doubt_of_many;
+      r->doubt[BY_L] = tuned.least_doubt;
     }
   }
   for (size_t i = 0; i < t->count; i++)
@@ -393,7 +393,7 @@ void newton_reshape(newton *t, size_t i, const shape *to) {
                    ripple_excess(&s->ripple, c->slope[k]);
   double before = s->pull;
   s->pull = pull_of(t, s);
-  s->uncertainty += tuned.unforeseen * fabs(s->pull - before);
+  s->uncertainty += tuned.least_doubt * fabs(s->pull - before);
   trust_drift(&s->trust, s->pull - before, s->uncertainty);
 }
 

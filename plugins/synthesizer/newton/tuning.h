@@ -9,12 +9,11 @@
 #include <stdint.h>
 
 static const struct {
-  double thin_end[2], slope[2], gain_bound, doubt[2], least_doubt, many,
-      doubt_of_many;
-  double trust[2], longest, open_step;
-  double still, unforeseen, late, coupling, noise_floor;
+  double thin_end[2], slope[2], gain_bound, doubt[2], least_doubt, many;
+  double trust[2], longest;
+  double still, late, coupling, noise_floor;
   double odd_limit, odd_surprise, unanswered;
-  double coarse, worthwhile, mean_part, patience, reserve;
+  double coarse, worthwhile, mean_part, patience;
   double blur, short_end, past_end, before_end;
   double smooth, firm, local, tail, near_jog, leak, leaks;
   uint32_t shapes[3], settled[3], polish;
@@ -33,14 +32,14 @@ static const struct {
     .doubt = {0.3, 0.1},
 
     /* Smallest relative uncertainty of a response; above 0, because the
-       response changes with the mask. */
+       response changes with the mask. Also the relative uncertainty of other
+       predicted effects on log Ion: of moves of parts of edges, and of moves of
+       line ends in the first iteration. */
     .least_doubt = 0.15,
 
     /* Least number of transistors of a type for which a common factor of their
-       responses to L is fitted, and the relative uncertainty of each response
-       to L after the fit. */
+       responses to L is fitted. */
     .many = 16,
-    .doubt_of_many = 0.15,
 
     /* ---- moves ---- */
 
@@ -53,20 +52,14 @@ static const struct {
        W. The response to W is geometric and well known. */
     .trust = {4, 1.5},
 
-    /* nm: initial trust radius of L (trust.c adapts the radius). */
+    /* nm: initial trust radius of L (trust.c adapts the radius). A line that
+       has never printed changes by a quarter of the value in each iteration. */
     .longest = 20,
-
-    /* nm: increase of L per iteration while the line does not print. */
-    .open_step = 5,
 
     /* ---- influences on a transistor besides its moves ---- */
 
     /* nm: largest move of a line end that has no effect on the transistor. */
     .still = 2,
-
-    /* Relative uncertainty of the predicted effect on log Ion of the moves of
-       line ends in the first iteration, and of moves of parts of edges. */
-    .unforeseen = 0.15,
 
     /* Uncertainty of log Ion caused by moves of line ends after the first
        iteration. */
@@ -100,7 +93,9 @@ static const struct {
     .coarse = 10,
 
     /* A move is made if the expected error is at most this fraction of the
-       present error. */
+       present error. The method stops when all errors are below this fraction
+       of `ion_limit`; the rest, 0.1 % of Ion, is a reserve for moves of
+       neighbours and for the accurate simulation. */
     .worthwhile = 0.8,
 
     /* The loop ends if the mean error is below `ion_limit` / mean_part. */
@@ -161,8 +156,4 @@ static const struct {
     /* Number of iterations after `settled` after which transistors within the
        limit stop moving. Fewer moves disturb neighbours less. */
     .polish = 2,
-
-    /* Part of `ion_limit` that is kept in reserve when the method stops, for
-       moves of neighbours and the accurate simulation: 0.1 % of Ion. */
-    .reserve = 0.2,
 };
