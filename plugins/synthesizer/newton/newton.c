@@ -59,6 +59,15 @@ static int newton_begin(void *self, const eda_feedback *f, opc_error *error) {
 
 /* ---- work: the next mask of one transistor ---- */
 
+/* Free moves of response_solve. */
+static const int only_l[MOVES] = {1, 0}, only_w[MOVES] = {0, 1},
+                 both[MOVES] = {1, 1};
+
+/* Return the largest |bias| of W, grid steps. */
+static double width_most(const newton *t, const eda_gates *g, size_t i) {
+  return fmin(t->max_bias, g->width[i] / 2) / g->grid;
+}
+
 /* Return a step dx limited by vetoes and by the bound `most`, the cause in
  *why. */
 static double move_bounded(double x, double dx, double most, uint32_t veto_up,
@@ -126,10 +135,9 @@ static biases mask_with_jog(const newton *t, const eda_gates *g, size_t i,
    by up to two steps (for narrow gates, whose jogs have a large effect). */
 static biases mask_with_width(const newton *t, const eda_feedback *f, size_t i,
                               biases best) {
-  static const int only_l[MOVES] = {1, 0};
   const transistor *s = &t->state[i];
   double rest[ERRORS], more[MOVES], grid = f->gates->grid;
-  double most = fmin(t->max_bias, f->gates->width[i] / 2) / grid;
+  double most = width_most(t, f->gates, i);
   int any = corrects_ioff(t); /* W moves for Ioff */
   double enough =
       any ? newton_tolerance(t)
@@ -162,7 +170,6 @@ static biases mask_with_width(const newton *t, const eda_feedback *f, size_t i,
    W, a jog or W that of L (`fine`). */
 static biases mask_on_grid(const newton *t, const eda_feedback *f, size_t i,
                            const double dx[MOVES], double enough, int cut) {
-  static const int only_l[MOVES] = {1, 0}, only_w[MOVES] = {0, 1};
   const transistor *s = &t->state[i];
   double rest[ERRORS], more[MOVES];
   int32_t w = (int32_t)lround(s->x[BY_W] + dx[BY_W]);
@@ -195,20 +202,26 @@ static double mask_expected_size(const newton *t, size_t i, biases next) {
   return hypot(errors_size(t, rest), errors_size(t, wrong));
 }
 
+/* Return the allowed part of a step of W. */
+static double width_bounded(const newton *t, const eda_feedback *f, size_t i,
+                            uint32_t veto, double dx, uint8_t *why) {
+  const transistor *s = &t->state[i];
+  dx = move_bounded(s->x[BY_W], dx, width_most(t, f->gates, i),
+                    veto & EDA_VETO_WIDER, veto & EDA_VETO_NARROWER, why);
+  return fmin(dx, fmax(width_limit(s) - s->x[BY_W], 0));
+}
+
 /* Compute the moves of W that corrects Ioff and of L that restores Ion. */
 static void move_with_leakage(const newton *t, const eda_feedback *f, size_t i,
                               uint32_t veto, double dx[MOVES]) {
-  static const int both[MOVES] = {1, 1}, only_l[MOVES] = {1, 0};
   const transistor *s = &t->state[i];
-  double grid = f->gates->grid, step[MOVES], rest[ERRORS], more[MOVES];
-  double most = fmin(t->max_bias, f->gates->width[i] / 2) / grid;
+  double step[MOVES], rest[ERRORS], more[MOVES];
+  double longest = tuned.longest / f->gates->grid;
   uint8_t why;
   response_solve(&s->response, s->error, t->weight, both, step);
-  double longest = tuned.longest / grid;
   double w = fmin(fmax(step[BY_W], -longest), longest);
   w = fmin(w - s->given, width_limit(s) - s->x[BY_W]);
-  dx[BY_W] = round(move_bounded(s->x[BY_W], w, most, veto & EDA_VETO_WIDER,
-                                veto & EDA_VETO_NARROWER, &why));
+  dx[BY_W] = round(width_bounded(t, f, i, veto, w, &why));
   errors_after(s, s->x[BY_L], s->x[BY_W] + dx[BY_W], rest);
   for (int k = 0; k < ERRORS; k++) rest[k] -= s->error[k];
   response_solve(&s->response, rest, t->steer, only_l, more);
@@ -218,24 +231,12 @@ static void move_with_leakage(const newton *t, const eda_feedback *f, size_t i,
 /* Return whether a move rounds to zero on the grid. */
 static int is_no_step(double steps) { return lround(steps) == 0; }
 
-/* Return the allowed part of a step of W. */
-static double width_bounded(const newton *t, const eda_feedback *f, size_t i,
-                            uint32_t veto, double dx, uint8_t *why) {
-  const transistor *s = &t->state[i];
-  double grid = f->gates->grid;
-  double most = fmin(t->max_bias, f->gates->width[i] / 2) / grid;
-  dx = move_bounded(s->x[BY_W], dx, most, veto & EDA_VETO_WIDER,
-                    veto & EDA_VETO_NARROWER, why);
-  return fmin(dx, fmax(width_limit(s) - s->x[BY_W], 0));
-}
-
 /* Return the mask after Newton's step of one transistor. W moves if the weights
    require moves of W, or if L is vetoed or at its bound. Unless W corrects
    Ioff, it also moves if the regulator undoes moves of L (trust radius below a
    grid step). If W cannot move either, L moves. */
 static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
                           double enough, uint8_t *why, int *cut) {
-  static const int only_w[MOVES] = {0, 1};
   const transistor *s = &t->state[i];
   /* Vetoes of `valid`, where the step after a failure starts, are unknown. */
   uint32_t veto = s->failed ? 0 : f->vetoes[i];
