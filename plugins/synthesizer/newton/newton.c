@@ -115,8 +115,9 @@ static biases mask_clear_jog(const newton *t, size_t i, double l, int32_t least,
   return found;
 }
 
-/* Return the mask with the jog whose length is nearest to l. The search
-   iterates, because a jog moves ends of parts and so changes the length. */
+/* Return the mask with the jog whose effective length is nearest to l. The
+   search iterates, because a jog moves ends of parts and so changes the
+   length. */
 static biases mask_with_jog(const newton *t, const eda_gates *g, size_t i,
                             double l, int32_t w) {
   int32_t least = (int32_t)ceil(t->min_jog / g->grid);
@@ -330,8 +331,8 @@ static biases mask_propose(newton *t, const eda_feedback *f, size_t i) {
 
 /* ---- work: termination ---- */
 
-/* Return whether transistors within the limit stop: further moves have little
-   effect, but disturb neighbours and the regulator. */
+/* Return whether transistors within the limit stop moving: their further moves
+   hardly change their currents, but disturb neighbours and the regulator. */
 static int newton_is_late(const newton *t, int64_t print) {
   return t->settled && print >= tuned.settled[t->target] + tuned.polish;
 }
@@ -340,8 +341,6 @@ static int is_within(const newton *t, size_t i) {
   const transistor *s = &t->state[i];
   return !s->failed && s->size * fmin(t->goal[i].weight, 1) <= newton_stop(t);
 }
-
-/* ---- work: all transistors ---- */
 
 /* Return whether the error has increased since the transistor last moved. */
 static int has_drifted(const newton *t, const transistor *s, double weight) {
@@ -372,7 +371,8 @@ static int newton_is_done(newton *t, int64_t print) {
                    (mean <= newton_ion_limit(t) / tuned.mean_part || unchanged);
 }
 
-/* Return to `best` and end the correction of Ioff; only L moves, for Ion. */
+/* Return each transistor to its best mask and end the correction of Ioff. From
+   now on only L moves, and corrects Ion. */
 static void newton_settle(newton *t) {
   t->settled = 1;
   t->weight[IOFF] = 0;
@@ -381,9 +381,12 @@ static void newton_settle(newton *t) {
     s->revert = !biases_equal(s->now, s->best);
     s->best_size = s->revert ? INFINITY : errors_size(t, s->error);
     s->size = s->settled_size = errors_size(t, s->error);
-    s->trust.error[SHORT] = s->trust.error[LONG] = 0; /* for another W */
+    /* The best mask may have another W, for which the bracket is unknown. */
+    s->trust.error[SHORT] = s->trust.error[LONG] = 0;
   }
 }
+
+/* ---- work: all transistors ---- */
 
 /* Arguments of transistor_decide, common to all transistors. */
 typedef struct decision {
@@ -516,10 +519,7 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(newton, iterations, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "16", .min = 1,
                   .max = 1000, .summary = "largest number of moves"),
-    OPC_PARAMETER(newton, max_bias, .type = OPC_REAL, .flags = OPC_ABOVE,
-                  .unit = "nm", .follows = "0.311 lambda/NA",
-                  .summary = "largest correction of L or W; W also changes by "
-                             "at most half of the drawn W"),
+    EDA_MAX_BIAS(newton),
     OPC_PARAMETER_NAMED("gain.l", newton, gain[BY_L], .type = OPC_REAL,
                         .flags = OPC_ABOVE, .preset = "2.6",
                         .summary = "initial estimate of d printed L / d mask L "

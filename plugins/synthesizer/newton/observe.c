@@ -82,9 +82,9 @@ static int is_foreign(const newton *t, const transistor *s, const change *c) {
   return fabs(c->de[ION]) > most;
 }
 
-/* Update the best mask. If other causes than the transistor's own moves changed
-   the error, the present mask becomes the best mask, because `best_size` is no
-   longer valid. */
+/* Make the present mask the best mask if its error is smaller. Also do so if a
+   neighbour or a line end changed the error: `best_size` is then no longer
+   valid. */
 static void keep_best(transistor *s, uint32_t flags, int first) {
   if (!first && !s->disturbed && s->size >= s->best_size &&
       !biases_equal(s->now, s->best))
@@ -119,7 +119,7 @@ static void transistor_init(transistor *s, biases drawn) {
 
 /* Compute the outward moves of both ends of the width, grid steps. */
 static void ends_of(biases b, int32_t at[2]) {
-  at[0] = (b.w >> 1) - b.aside; /* the same division of w as in eda_moves */
+  at[0] = (b.w >> 1) - b.aside; /* divided as in eda_moves */
   at[1] = b.w - at[0];
 }
 
@@ -164,9 +164,9 @@ static void trust_update(const newton *t, transistor *s, const change *c,
   double drift = s->disturbed && against ? INFINITY : least_visible(t, s);
   s->trust.slow = 0;
   trust_drift(&s->trust, pull_by_w(t, s) * c->dx[BY_W], drift);
-  int by_l =
-      !corrects_ioff(t) || c->dx[BY_W] == 0; /* results of moves of W for Ioff
-                                                do not judge the radius */
+  /* The result of a move of W for Ioff does not show whether L moved too far.
+   */
+  int by_l = !corrects_ioff(t) || c->dx[BY_W] == 0;
   if (by_l && !s->disturbed && before * s->pull > 0 &&
       fabs(before) - fabs(foreseen) > least_visible(t, s))
     trust_judge(&s->trust, c->dx[BY_L], fabs(before), fabs(foreseen),
@@ -182,8 +182,7 @@ double width_limit(const transistor *s) {
 }
 
 int32_t width_aside(const transistor *s, int32_t w) {
-  int32_t low = w >> 1, high = w - low; /* the same division of w as in
-                                           eda_moves */
+  int32_t low = w >> 1, high = w - low; /* divided as in eda_moves */
   int32_t up = low - s->outward_limit[0], down = high - s->outward_limit[1];
   return up > 0 ? up : down > 0 ? -down : 0;
 }
@@ -208,16 +207,13 @@ static void bound_ends(const newton *t, transistor *s, const eda_feedback *f,
     thin = leaks ? width_thin_end(f, i, high, at[high], range,
                                   tuned.thin_end[0] / leak)
                  : 0;
-    if (!thin || thin == range)
-      continue; /* skip an end without a thin strip,
-                   and one whose whole range is
-                   thin */
+    /* Keep an end without a thin strip, and an end that is thin all over. */
+    if (!thin || thin == range) continue;
     *to = at[high] - thin;
     s->given += thin;
   }
-  if (s->given)
-    s->error[IOFF] = 0; /* the narrowing is expected to correct the
-                           leakage */
+  /* The narrower gate is expected to leak as drawn. */
+  if (s->given) s->error[IOFF] = 0;
 }
 
 /* Update the state of a transistor from the simulation of mask `now`. `common`:
