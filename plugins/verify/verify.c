@@ -31,12 +31,6 @@ typedef struct simulation {
   double *extension; /* [2 * gates], nm */
 } simulation;
 
-OPC_PRINTF(3, 4)
-static void log_nothing(const opc_host *host, int level, const char *format,
-                        ...) {
-  (void)host, (void)level, (void)format;
-}
-
 /* Copy the figures of a part's transistors to the mask. */
 static void part_take(simulation *s, const eda_mask_part *p, const eda_mask *m,
                       const double *extension) {
@@ -105,8 +99,7 @@ static void verify_share(verify *v, eda_mask *out) {
 
 static int verify_run(void *self, void **outputs, opc_error *error) {
   verify *v = self;
-  simulation s = {.verify = v, .quiet = *v->host};
-  s.quiet.log = log_nothing;
+  simulation s = {.verify = v, .quiet = correct_findings_discarded(v->host)};
   eda_mask *out = outputs[0] = s.out = verify_begin(&s); /* released by the host
                                                             on failure */
   int code =

@@ -171,3 +171,15 @@ void correct_findings_of_guard(const opc_host *host, const guard *g, int held) {
         "%zu transistor%s reverted towards the drawn mask, which was better",
         g->back, plural_of(g->back));
 }
+
+OPC_PRINTF(3, 4)
+static void log_nothing(const opc_host *host, int level, const char *format,
+                        ...) {
+  (void)host, (void)level, (void)format;
+}
+
+opc_host correct_findings_discarded(const opc_host *host) {
+  opc_host quiet = *host;
+  quiet.log = log_nothing;
+  return quiet;
+}

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 
 #include <correct/classes.h>
+#include <correct/findings.h>
 #include <correct/start.h>
 
 /* ---- a window ---- */
@@ -71,15 +72,9 @@ static int window_flat(const eda_mask *mask, eda_box core, eda_mask **out,
 
 /* ---- simulation ---- */
 
-OPC_PRINTF(3, 4)
-static void log_nothing(const opc_host *host, int level, const char *format,
-                        ...) {
-  (void)host, (void)level, (void)format;
-}
-
 static int simulate_one(const classes_source *s, eda_mask *m,
                         opc_error *error) {
-  opc_host quiet = *s->host;
+  const opc_host quiet = correct_findings_discarded(s->host);
   correct_settings with = *s->with;
   uint32_t *before = NULL;
   double *extension = NULL;
@@ -87,7 +82,6 @@ static int simulate_one(const classes_source *s, eda_mask *m,
   eda_performance_clear(&m->after);
   free(m->flags);
   m->flags = NULL;
-  quiet.log = log_nothing;
   with.margin = CLASSES_GAP;
   int code = correct_print(&with, &quiet, 0, m, &before, &extension, error);
   free(before);

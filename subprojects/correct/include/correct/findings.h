@@ -25,6 +25,10 @@ OPC_EXPORT void correct_findings_of_print(const opc_host *host,
                                           const uint32_t *flags,
                                           const uint32_t *before);
 
+/* Return a copy of a host that discards messages, for repeated simulations of
+   the same models. The copy is valid as long as `host`. */
+OPC_EXPORT opc_host correct_findings_discarded(const opc_host *host);
+
 /* Log the number of transistors that are worse than with the drawn mask, and
    the number of reverted transistors. `held`: 1 if the guard was on. */
 OPC_EXPORT void correct_findings_of_guard(const opc_host *host,

@@ -131,8 +131,9 @@ OPC_EXPORT int correct_report_mask(const opc_host *host, const report *report,
                                    opc_error *error);
 
 /* Write the file `name` of the run folder with one row for each transistor, in
-   the order of a flat mask; figures are those of the class. Memory does not
-   grow with the number of transistors. NULL: do nothing. */
+   the order of a flat mask; figures are those of the class. Strips of the mask
+   are flattened one by one; only the names of all cell instances stay in
+   memory. NULL: do nothing. */
 OPC_EXPORT int correct_report_transistors(const opc_host *host,
                                           const eda_mask *mask,
                                           const char *name, opc_error *error);
