@@ -363,7 +363,7 @@ def entries(ending=""):
 def test_damaged():
     first, _ = run()
     for spoil in (lambda d: d[:len(d) // 2], lambda d: b"", lambda d: d[:-1] + bytes([d[-1] ^ 1]),
-                  lambda d: d[:90] + b"x" + d[91:]):
+                  lambda d: d[:90] + bytes([d[90] ^ 1]) + d[91:]):
         for name in entries(".result") + entries(".outputs") + entries(".facts"):
             with open(name, "rb") as f:
                 data = f.read()
@@ -371,7 +371,8 @@ def test_damaged():
                 f.write(spoil(data))
         folder, done = run()
         same(first, folder)
-        assert set(ran(folder)) == ALL and "was damaged and has been removed" in done.stderr
+        assert set(ran(folder)) == ALL, ran(folder)
+        assert "was damaged and has been removed" in done.stderr, done.stderr
         assert ran(run()[0]) == {}
 
 
