@@ -185,6 +185,10 @@ static const struct {
      "plugins of the kind 'command' cannot be written in Python"},
     {"step.summary", "class Odd(Step):\n    pass\n",
      "the descriptor has no summary"},
+    {"step.option",
+     "class Odd(Step):\n    'A step'\n"
+     "    size = real('a size', units='nm')\n",
+     "TypeError: unknown options of a parameter: units (step.option.py:6)"},
     {"step.preset",
      "class Odd(Step):\n    'A step'\n"
      "    size = real('a size', unit='nm', preset='2 V')\n",

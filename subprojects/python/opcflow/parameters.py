@@ -4,6 +4,7 @@
 Each function returns a declaration. On instances the attribute is the value: converted to the
 declared unit, or None if the flow sets no value and there is no default.
 """
+from functools import partial
 
 
 class Invalid(ValueError):
@@ -15,21 +16,40 @@ class Invalid(ValueError):
 
 
 class Parameter:
-    """Declaration of a parameter; see opc_parameter in opcflow/plugin.h."""
+    """Declaration of a parameter; see opc_parameter in opcflow/plugin.h. The functions below, such
+    as real("a length", unit="nm", preset="2 um", above=0), take these arguments:
 
-    def __init__(self, type, summary, preset=None, required=False, no_effect=False, **fields):
-        self.fields = {"type": type, "summary": summary}
-        if preset is not None:
-            self.fields["preset"] = preset if isinstance(preset, str) else repr(preset)
+    summary    text of the documentation
+    choices    of choice: the words; of mapping: the allowed keys
+    unit       of real and reals: unit of the value
+    preset     default, as in a flow
+    follows    of real: a default that follows from the scanner, such as "0.311 lambda/NA"
+    name       name in flows; default: name of the attribute
+    former     an earlier name
+    required   True: the flow must set a value
+    no_effect  True: the value has no effect on results
+    at_least, above, at_most, below  bounds
+    """
+
+    def __init__(self, type, summary, choices=None, preset=None, required=False, no_effect=False,
+                 **fields):
+        if isinstance(preset, bool):
+            preset = str(preset).lower()
+        if choices and not isinstance(choices, str):
+            choices = "|".join(choices)
         flags = ["required"] * required + ["no_effect"] * no_effect
         for name, side in (("at_least", "min"), ("above", "min"), ("at_most", "max"),
                            ("below", "max")):
             bound = fields.pop(name, None)
             if bound is not None:
                 flags.append(name)
-                self.fields[side] = float(bound)
-        self.fields["flags"] = flags
-        self.fields.update({k: v for k, v in fields.items() if v is not None})
+                fields[side] = float(bound)
+        unknown = set(fields) - {"unit", "follows", "name", "former", "min", "max"}
+        if unknown:
+            raise TypeError("unknown options of a parameter: %s" % ", ".join(sorted(unknown)))
+        fields.update(type=type, summary=summary, choices=choices, flags=flags,
+                      preset=preset if preset is None else str(preset))
+        self.fields = {k: v for k, v in fields.items() if v is not None}
 
     def __set_name__(self, owner, name):
         self.name = name
@@ -45,65 +65,22 @@ class Parameter:
         return {"name": self.fields.get("name", self.name), **self.fields}
 
 
-def real(summary, unit=None, preset=None, follows=None, **options):
-    """Declare a number in `unit`. Options: required, at_least, above, at_most, below, no_effect,
-    former, and name, which sets another name in flows. `follows` is an expression of the
-    scanner, such as "0.311 lambda/NA"."""
-    return Parameter("real", summary, preset, unit=unit, follows=follows, **options)
-
-
-def integer(summary, preset=None, **options):
-    """Declare an integer, with the options of real."""
-    return Parameter("int", summary, preset, **options)
-
-
-def boolean(summary, preset=None, **options):
-    """Declare a truth value."""
-    if isinstance(preset, bool):
-        preset = str(preset).lower()
-    return Parameter("bool", summary, preset, **options)
-
-
-def choice(summary, choices, preset=None, **options):
-    """Declare one word of the sequence `choices`."""
-    return Parameter("choice", summary, preset, choices="|".join(choices), **options)
-
-
-def text(summary, preset=None, **options):
-    """Declare a text."""
-    return Parameter("text", summary, preset, **options)
-
-
-def file(summary, **options):
-    """Declare an existing file; the value is the path."""
-    return Parameter("file", summary, **options)
-
-
-def output(summary, preset=None, **options):
-    """Declare the name of a file in the run folder, for Step.output_path."""
-    return Parameter("output", summary, preset, **options)
-
-
-def reals(summary, unit=None, preset=None, **options):
-    """Declare a list of numbers in `unit`."""
-    return Parameter("reals", summary, preset, unit=unit, **options)
-
-
-def mapping(summary, choices=None, preset=None, **options):
-    """Declare a dictionary of texts. `choices`: allowed keys."""
-    return Parameter("map", summary, preset, choices="|".join(choices) if choices else None,
-                     **options)
-
-
-def metric(summary, unit=None, better=None, tolerance=0.0):
-    """Declare a metric of a step. `better` is "lower", "higher" or None."""
-    return Metric(summary, unit, better, tolerance)
+real = partial(Parameter, "real")        # a number in `unit`
+integer = partial(Parameter, "int")
+boolean = partial(Parameter, "bool")
+choice = partial(Parameter, "choice")    # one word of `choices`
+text = partial(Parameter, "text")
+file = partial(Parameter, "file")        # the path of an existing file
+output = partial(Parameter, "output")    # the name of a file in the run folder: Step.output_path
+reals = partial(Parameter, "reals")      # a list of numbers in `unit`
+mapping = partial(Parameter, "map")      # a dictionary of texts
 
 
 class Metric:
-    """Declaration of a metric; see opc_metric in opcflow/plugin.h."""
+    """Declaration of a metric of a step; see opc_metric in opcflow/plugin.h. `better` is "lower",
+    "higher" or None."""
 
-    def __init__(self, summary, unit, better, tolerance):
+    def __init__(self, summary, unit=None, better=None, tolerance=0.0):
         self.fields = {"summary": summary, "unit": unit, "better": better, "tolerance": tolerance}
 
     def __set_name__(self, owner, name):
@@ -112,3 +89,6 @@ class Metric:
     def describe(self):
         """Return the declaration as a dictionary."""
         return {"name": self.name, **self.fields}
+
+
+metric = Metric
