@@ -10,13 +10,14 @@
 # make fuzz [TARGET=gds] [RUNS=10000000]  libFuzzer on the parsers, with clang
 # make lint    clang-format and clang-tidy over all code
 # make site    the documents as web pages, in build/site (mkdocs)
+# make deb     Debian packages of the last commit, in build/deb, checked by lintian
 # make install [PREFIX=/usr/local] [DESTDIR=]  says where things went
 
 BUILD ?= build
 MESON_FLAGS ?=
 export MESONFLAGS =
 
-.PHONY: demo test bench sanitize coverage mutants fuzz lint site install build clean
+.PHONY: demo test bench sanitize coverage mutants fuzz lint site deb install build clean
 
 demo: build
 	$(BUILD)/opcflow run flows/demo.yaml
@@ -75,6 +76,10 @@ lint: build
 site:
 	@tools/install-packages mkdocs
 	@tools/site $(BUILD)/site
+
+deb:
+	@tools/install-packages debhelper dh-python dpkg-dev lintian
+	@tools/deb $(abspath $(BUILD))/deb
 
 install: build
 	@tools/install $(BUILD) $(abspath $(PREFIX))
