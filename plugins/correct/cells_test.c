@@ -136,10 +136,11 @@ static void test_refined(void) {
 }
 
 /* A synthesizer that continues from the simulated mask starts from the placed
-   masks: with a limit that no disturbance exceeds, all masks stay. */
+   masks. All masks stay if the limit exceeds the disturbances, but not the
+   deviations of the drawn mask, which are larger. */
 static void test_continued(void) {
   double n;
-  g_assert_cmpfloat(pair_off(DPB, ", max_diff: 100 %", &n), >, 1);
+  g_assert_cmpfloat(pair_off(DPB, ", max_diff: 6 %", &n), >, 1);
   g_assert_true(n == 0);
   g_assert_cmpfloat(pair_off(DPB, ", max_diff: 0.2 %", &n), <, 0.7);
   g_assert_true(n >= 1 && n <= 4);
