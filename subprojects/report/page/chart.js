@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Charts with two axes: bars, lines and points. The style sheet defines the colours, so that
+/* Charts with two axes: columns, lines and points. The style sheet defines the colours, so that
    charts change with the theme and are printed in light colours. */
 
 const SERIES = 7; /* number of colours, dash patterns and markers; series 7 has those of series 0 */
@@ -75,9 +75,9 @@ function counts(values, range) {
   return out;
 }
 
-/* Draw the histogram of values over -range .. range as bars, and that of `before`
+/* Draw the histogram of values over -range .. range as columns, and that of `before`
    as a line if more than half of its values are in the range. Values outside of the
-   range are counted in the outer bars, and the text below the chart states their number. */
+   range are counted in the outer columns, and the text below the chart states their number. */
 function histogram(title, unit, k, values, before, range) {
   const in_range = before.filter(v => Math.abs(v) <= range).length;
   const bars = counts(values, range), line = 2 * in_range > before.length ? counts(before, range) : null;
@@ -119,8 +119,8 @@ function lines(title, about, x, y, series) {
     })});
 }
 
-/* Return a chart of points with the line of equal coordinates. Of more than MOST points, every
-   second, third, ... point is drawn, and all points beyond 80 % of an axis. */
+/* Return a chart of points with the line of equal coordinates. If there are more than MOST points,
+   the chart has every second, third, ... point, and all points beyond 80 % of an axis. */
 const MOST = 4000;
 function scatter(title, about, x, y, k, points) {
   const every = Math.ceil(points.length / MOST);

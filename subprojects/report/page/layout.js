@@ -4,9 +4,9 @@
 /* ---- shapes ---- */
 
 /* Return the scene of a run: the data of view.json, unpacked at the first call. A scene has the
-   boxes of the transistors (x0, y0, x1, y1 in nm), shapes with their bounds, and the image.
-   row(i) is the row of transistor i in gates.csv, which has one row for each class of
-   transistors with equal masks. order() lists one transistor of each row, the largest deviation
+   boxes of the transistors (x0, y0, x1, y1 in nm), the shapes with their bounds, and the image.
+   The function row(i) returns the row of transistor i in gates.csv, which has one row for each
+   class of transistors with equal masks. The function order() lists one transistor of each row, the largest deviation
    first. */
 function scene_of(run) {
   if (!run.scene) run.scene = unpack_view(run);

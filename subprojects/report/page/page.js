@@ -260,7 +260,7 @@ function corners() {
   }));
 }
 
-/* Return a chart of horizontal bars that start at 1, on a logarithmic axis. */
+/* Return a chart of horizontal columns that start at 1, on a logarithmic axis. */
 function bars_of(title, values, name, k) {
   const good = values.filter(v => is(v) && v > 0);
   if (!good.length) return null;
