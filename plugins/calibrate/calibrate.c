@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the step `calibrate`: fits threshold, diffusion, focus and bias of
-   a process to measured widths. */
+/* Implements the step `calibrate`: fits optics, threshold, diffusion and bias
+   of a process to measured widths. */
 #include "calibrate.h"
 
 #include <eda/memory.h>
@@ -12,6 +12,7 @@
 #include <string.h>
 
 enum { HUBER, SQUARES };
+enum { LEAVE_GAUGES, LEAVE_MASKS };
 
 /* Huber's constant: 95 % efficiency for normal errors. */
 static const double huber = 1.345;
@@ -26,14 +27,21 @@ static int take_ranges(calibrate *c, opc_error *error) {
   for (size_t i = 0; i < c->count; i++)
     layers[c->gauges[i].layer == EDA_ACTIVE] = 1;
   for (size_t t = 0; t < TERMS; t++) {
-    f->from[t] = c->range[t].values[0];
-    f->to[t] = c->range[t].values[c->range[t].count - 1];
+    size_t n = c->range[t].count;
+    f->from[t] = n ? c->range[t].values[0] : NAN;
+    f->to[t] = n ? c->range[t].values[n - 1] : NAN;
     f->is_free[t] =
         f->to[t] > f->from[t] && (t > ACTIVE_THRESHOLD || layers[t]);
     any |= f->is_free[t];
   }
   if (any) return OPC_OK;
   return opc_fail(error, OPC_INVALID, NULL, "all parameters are fixed");
+}
+
+/* Return the number of fits that leave gauges out. */
+static size_t fold_count(const calibrate *c) {
+  size_t n = c->leave == LEAVE_MASKS ? c->n_masks : (size_t)c->folds;
+  return c->folds > 1 && n > 1 ? n : 0;
 }
 
 /* Set the values of start k: the middle of the ranges, then random values. */
@@ -48,9 +56,10 @@ static void start_set(const fitting *f, size_t k, double p[TERMS]) {
 static int fit_starts(calibrate *c, opc_error *error) {
   c->best.cost = INFINITY;
   for (size_t k = 0; k < (size_t)c->starts; k++) {
-    opc_progress progress = {.done = (double)k,
-                             .total = (double)(c->starts + c->folds),
-                             .worst = NAN};
+    opc_progress progress = {
+        .done = (double)k,
+        .total = (double)((size_t)c->starts + fold_count(c)),
+        .worst = NAN};
     c->host->progress(c->host, &progress);
     if (opc_cancelled(c->host->context))
       return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
@@ -73,14 +82,45 @@ static int fit_starts(calibrate *c, opc_error *error) {
 static int fit_folds(calibrate *c, opc_error *error) {
   fitting *f = &c->fit;
   int code = OPC_OK;
-  for (size_t k = 0; k < (size_t)c->folds && !code; k++) {
+  size_t folds = fold_count(c);
+  for (size_t k = 0; k < folds && !code; k++) {
     fitted one = {0};
-    for (size_t i = 0; i < c->count; i++)
-      f->use[i] = c->gauges[i].group % (size_t)c->folds != k;
+    for (size_t i = 0; i < c->count; i++) {
+      const gauge *g = &c->gauges[i];
+      f->use[i] = c->leave == LEAVE_MASKS ? (size_t)g->mask != k
+                                          : g->group % folds != k;
+    }
     code = fit_run(f, c->best.value, &one, error);
     for (size_t i = 0; i < c->count && !code; i++)
       if (!f->use[i]) c->left[i] = f->width[i] - c->gauges[i].width;
   }
+  return code;
+}
+
+/* Set c->interpolation: simulate the images at the estimates, and compare the
+   widths with those of the interpolated images. */
+static int check_interpolation(calibrate *c, opc_error *error) {
+  c->interpolation = NAN;
+  if (c->model.nodes == 1) return OPC_OK;
+  model one = {.host = c->host,
+               .masks = c->mask,
+               .n_masks = c->n_masks,
+               .optics = c->litho,
+               .margin = c->margin,
+               .image_error = c->image_error,
+               .gauges = c->gauges,
+               .count = c->count};
+  double *width = eda_alloc(c->count, sizeof *width), sum = 0;
+  const double *p = c->best.value;
+  int code = model_prepare(&one, p, p, error);
+  if (!code) code = model_widths(&one, p, width, error);
+  for (size_t i = 0; i < c->count; i++) {
+    double off = width[i] - (c->gauges[i].width + c->residual[i]);
+    sum += off * off;
+  }
+  c->interpolation = sqrt(sum / (double)c->count);
+  free(width);
+  model_clear(&one);
   return code;
 }
 
@@ -98,7 +138,32 @@ static int calibrate_fit(calibrate *c, opc_error *error) {
     c->weight[i] = f->weight[i];
     c->left[i] = NAN;
   }
-  if (!code && c->folds > 1) code = fit_folds(c, error);
+  if (!code) code = check_interpolation(c, error);
+  return code ? code : fit_folds(c, error);
+}
+
+/* Collect the given masks. */
+static int take_masks(calibrate *c, opc_error *error) {
+  c->n_masks = 0;
+  for (size_t k = 0; k < MASKS; k++) {
+    if (!c->given[k]) continue;
+    int code = eda_mask_flat(c->given[k], &c->mask[c->n_masks++], error);
+    if (code) return code;
+  }
+  return OPC_OK;
+}
+
+static int take_gauges(calibrate *c, opc_error *error) {
+  int code = OPC_OK;
+  if (c->path)
+    code =
+        gauges_read(c->path, c->mask, c->n_masks, &c->gauges, &c->count, error);
+  else
+    gauges_of_gates(c->mask, c->n_masks, &c->gauges, &c->count);
+  if (!code && c->count <= TERMS)
+    code = opc_fail(error, OPC_INVALID, "gauges",
+                    "%zu gauges are too few for up to %d parameters", c->count,
+                    TERMS);
   return code;
 }
 
@@ -106,26 +171,24 @@ static int calibrate_run(void *self, void **outputs, opc_error *error) {
   calibrate *c = self;
   (void)outputs;
   gsl_set_error_handler_off(); /* the default handler aborts */
-  const eda_gates *gates = c->mask->gates;
-  if (!c->path) gauges_of_gates(gates, &c->gauges, &c->count);
-  int code = c->path ? gauges_read(c->path, gates, &c->gauges, &c->count, error)
-                     : OPC_OK;
-  if (!code && c->count <= TERMS)
-    code = opc_fail(error, OPC_INVALID, "gauges",
-                    "%zu gauges are too few for up to %d parameters", c->count,
-                    TERMS);
+  int code = take_masks(c, error);
+  if (!code) code = take_gauges(c, error);
   if (!code) code = take_ranges(c, error);
   if (code) return code;
   c->start_cost = eda_alloc((size_t)c->starts, sizeof *c->start_cost);
   c->residual = eda_alloc(c->count, sizeof *c->residual);
   c->left = eda_alloc(c->count, sizeof *c->left);
   c->weight = eda_alloc(c->count, sizeof *c->weight);
-  const double focus[2] = {c->fit.from[DEFOCUS], c->fit.to[DEFOCUS]};
-  c->model.host = c->host;
-  c->model.gauges = c->gauges;
-  c->model.count = c->count;
-  code = model_prepare(&c->model, c->mask, c->litho, c->margin, c->image_error,
-                       focus, error);
+  c->model = (model){.host = c->host,
+                     .masks = c->mask,
+                     .n_masks = c->n_masks,
+                     .optics = c->litho,
+                     .margin = c->margin,
+                     .image_error = c->image_error,
+                     .gauges = c->gauges,
+                     .count = c->count};
+  code = model_prepare(&c->model, c->fit.from, c->fit.to, error);
+  if (!code) code = model_densities(&c->model, c->density_range, error);
   if (!code) code = calibrate_fit(c, error);
   return code ? code : calibrate_report(c, error);
 }
@@ -133,8 +196,18 @@ static int calibrate_run(void *self, void **outputs, opc_error *error) {
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
-    OPC_PARAMETER(calibrate, mask, .type = OPC_INPUT, .flags = OPC_REQUIRED,
-                  .choices = "mask", .summary = "mask that was printed"),
+    OPC_PARAMETER_NAMED("mask", calibrate, given[0], .type = OPC_INPUT,
+                        .flags = OPC_REQUIRED, .choices = "mask",
+                        .summary = "mask that was printed"),
+    OPC_PARAMETER_NAMED("mask_2", calibrate, given[1], .type = OPC_INPUT,
+                        .choices = "mask",
+                        .summary = "second mask of the same process"),
+    OPC_PARAMETER_NAMED("mask_3", calibrate, given[2], .type = OPC_INPUT,
+                        .choices = "mask",
+                        .summary = "third mask of the same process"),
+    OPC_PARAMETER_NAMED("mask_4", calibrate, given[3], .type = OPC_INPUT,
+                        .choices = "mask",
+                        .summary = "fourth mask of the same process"),
     OPC_PARAMETER_NAMED(
         "gauges", calibrate, path, .type = OPC_FILE,
         .summary = "CSV file of measured widths; default: the drawn lengths "
@@ -158,10 +231,28 @@ static const opc_parameter parameters[] = {
                         .unit = "nm", .preset = "[0 nm]",
                         .summary = "range of the defocus, added to that of "
                                    "`litho`, or one fixed value"),
+    OPC_PARAMETER_NAMED("na", calibrate, range[NA], .type = OPC_REALS,
+                        .summary = "range of the numerical aperture, or one "
+                                   "fixed value; default: that of `litho`"),
+    OPC_PARAMETER_NAMED("sigma", calibrate, range[SIGMA], .type = OPC_REALS,
+                        .summary = "range of the outer radius of the source, "
+                                   "or one fixed value; default: that of "
+                                   "`litho`"),
     OPC_PARAMETER_NAMED("bias", calibrate, range[BIAS], .type = OPC_REALS,
                         .unit = "nm", .preset = "[0 nm]",
                         .summary = "range of the width that etching adds to "
-                                   "lines, or one fixed value"),
+                                   "lines at a density of 0.5, or one fixed "
+                                   "value"),
+    OPC_PARAMETER_NAMED("bias_density", calibrate, range[BIAS_DENSITY],
+                        .type = OPC_REALS, .unit = "nm", .preset = "[0 nm]",
+                        .summary = "range of the change of the bias from "
+                                   "density 0 to density 1, or one fixed "
+                                   "value"),
+    OPC_PARAMETER(calibrate, density_range, .type = OPC_REAL,
+                  .flags = OPC_ABOVE, .unit = "nm", .preset = "500 nm",
+                  .min = 0,
+                  .summary = "standard deviation of the Gaussian that averages "
+                             "the density"),
     OPC_PARAMETER(calibrate, loss, .type = OPC_CHOICE, .preset = "huber",
                   .choices = "huber|squares",
                   .summary = "robust loss, or least squares"),
@@ -175,6 +266,10 @@ static const opc_parameter parameters[] = {
         .preset = "5", .min = 0, .max = 1000,
         .summary = "number of parts of the gauges; each part is predicted by a "
                    "fit to the other parts. 0 or 1: no such fits"),
+    OPC_PARAMETER(calibrate, leave, .type = OPC_CHOICE, .preset = "gauges",
+                  .choices = "gauges|masks",
+                  .summary = "parts of the gauges: `folds` parts, or the "
+                             "gauges of each mask"),
     OPC_PARAMETER(calibrate, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST,
                   .unit = "nm", .follows = "3.886 lambda/NA", .min = 0,
                   .summary = "clear field around the layout"),
@@ -190,6 +285,9 @@ static const opc_metric metrics[] = {
     {"worst", "nm", OPC_LOWER, 0.001, "largest |fitted minus measured width|"},
     {"rms_left_out", "nm", OPC_LOWER, 0.001,
      "rms of predicted minus measured width of gauges that the fit left out"},
+    {"interpolation", "nm", OPC_LOWER, 0.001,
+     "rms of widths by interpolated images minus widths by images that are "
+     "simulated with the estimates"},
     {"downweighted", NULL, OPC_NEUTRAL, 0,
      "gauges with a robust weight below 0.5"},
     {"undetermined", NULL, OPC_LOWER, 0,
@@ -201,25 +299,38 @@ static const opc_metric metrics[] = {
      "fitted or given threshold of active"},
     {"diffusion", "nm", OPC_NEUTRAL, 0, "fitted or given diffusion"},
     {"defocus", "nm", OPC_NEUTRAL, 0, "fitted or given defocus"},
+    {"na", NULL, OPC_NEUTRAL, 0, "fitted or given numerical aperture"},
+    {"sigma", NULL, OPC_NEUTRAL, 0, "fitted or given radius of the source"},
     {"bias", "nm", OPC_NEUTRAL, 0, "fitted or given bias"},
+    {"bias_density", "nm", OPC_NEUTRAL, 0,
+     "fitted or given change of the bias with the density"},
 };
+
+/* Check the order and the bounds of a range. */
+static int range_check(int t, const opc_reals *r, opc_error *error) {
+  if (!r->count && (t == NA || t == SIGMA)) return OPC_OK;
+  if (r->count < 1 || r->count > 2 || r->values[r->count - 1] < r->values[0])
+    return opc_fail(error, OPC_INVALID, term_name[t],
+                    "'%s' requires [lowest, highest] or one value",
+                    term_name[t]);
+  double low = r->values[0], high = r->values[r->count - 1];
+  if (t <= ACTIVE_THRESHOLD && !(low > 0 && high < 1))
+    return opc_fail(error, OPC_INVALID, term_name[t],
+                    "'%s' must be between 0 and 1", term_name[t]);
+  if ((t == NA && !(low > 0)) || (t == SIGMA && !(low > 0 && high <= 1)))
+    return opc_fail(error, OPC_INVALID, term_name[t], "'%s' must be above 0%s",
+                    term_name[t], t == SIGMA ? " and at most 1" : "");
+  if (t == DIFFUSION && low < 0)
+    return opc_fail(error, OPC_INVALID, term_name[t], "'%s' must be at least 0",
+                    term_name[t]);
+  return OPC_OK;
+}
 
 static int calibrate_check(void *self, opc_error *error) {
   calibrate *c = self;
   EDA_FOLLOW(c->host, "calibrate", c, parameters, eda_scanner_of(c->litho));
-  for (size_t t = 0; t < TERMS; t++) {
-    const opc_reals *r = &c->range[t];
-    if (r->count < 1 || r->count > 2 || r->values[r->count - 1] < r->values[0])
-      return opc_fail(error, OPC_INVALID, term_name[t],
-                      "'%s' requires [lowest, highest] or one value",
-                      term_name[t]);
-    int threshold = t <= ACTIVE_THRESHOLD;
-    if ((threshold && !(r->values[0] > 0 && r->values[r->count - 1] < 1)) ||
-        (t == DIFFUSION && r->values[0] < 0))
-      return opc_fail(error, OPC_INVALID, term_name[t], "'%s' must be %s",
-                      term_name[t],
-                      threshold ? "between 0 and 1" : "at least 0");
-  }
+  for (int t = 0; t < TERMS; t++)
+    if (range_check(t, &c->range[t], error)) return error->code;
   return OPC_OK;
 }
 

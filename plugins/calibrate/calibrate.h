@@ -6,51 +6,81 @@
 #include <opcflow/step.h>
 
 /* Parameters of the model. A gauge of the active layer uses ACTIVE_THRESHOLD,
-   gauges of all other layers THRESHOLD. */
-enum { THRESHOLD, ACTIVE_THRESHOLD, DIFFUSION, DEFOCUS, BIAS, TERMS };
+   gauges of all other layers THRESHOLD. NA and SIGMA are NAN if the flow sets
+   no range: the values of the litho model then apply. */
+enum {
+  THRESHOLD,
+  ACTIVE_THRESHOLD,
+  DIFFUSION,
+  DEFOCUS,
+  NA,
+  SIGMA,
+  BIAS,
+  BIAS_DENSITY,
+  TERMS
+};
 
 /* Names of the parameters, and their units (NULL for a number without unit). */
 extern const char *const term_name[TERMS], *const term_unit[TERMS];
+
+enum { MASKS = 4 }; /* largest number of masks in a calibration */
 
 /* ---- gauges ---- */
 
 /* A measured width: that of the line (`space` 0) or the space (1) that contains
    the point (x, y), along `axis`. */
 typedef struct gauge {
-  int32_t layer, axis, space;
+  int32_t mask, layer, axis, space;
   double x, y, width, sd;
-  size_t group; /* gauges of a group are left out together */
+  double density; /* part of the area around the gauge that shapes cover */
+  size_t group;   /* gauges of a group are left out together */
 } gauge;
 
-/* Read gauges from a CSV file (README). Return OPC_OK or an error. */
-int gauges_read(const char *path, const eda_gates *gates, gauge **out,
-                size_t *count, opc_error *error);
+/* Read gauges of the masks from a CSV file (README). Return OPC_OK or an
+   error. */
+int gauges_read(const char *path, const eda_mask *const *masks, size_t n_masks,
+                gauge **out, size_t *count, opc_error *error);
 
-/* Make gauges from transistors: length of poly and width of active, at the
-   middle of each gate, as drawn. A transistor is a group. */
-void gauges_of_gates(const eda_gates *gates, gauge **out, size_t *count);
+/* Make gauges from the transistors of all masks: length of poly and width of
+   active, at the middle of each gate, as drawn. A transistor is a group. */
+void gauges_of_gates(const eda_mask *const *masks, size_t n_masks, gauge **out,
+                     size_t *count);
 
 /* ---- model ---- */
 
-enum { NODES = 7 }; /* foci between which images are interpolated */
+/* Parameters of the optics. Images are simulated at nodes of these parameters,
+   and interpolated between the nodes. */
+enum { ALONG_NA, ALONG_SIGMA, ALONG_FOCUS, AXES };
+enum { NODES = 7 }; /* largest number of nodes of a parameter */
 
 typedef struct model {
   const opc_host *host;
-  eda_model litho;
-  size_t layers, nodes;
-  double node[NODES]; /* defocus, nm */
-  eda_field *image;   /* [layers * nodes]; empty for layers without gauges */
-  const gauge *gauges;
+  const eda_mask *const *masks;
+  size_t n_masks;
+  const opc_module *optics; /* of the slot `litho` */
+  double margin;            /* clear field around the masks, nm */
+  double image_error; /* largest error of the images, relative to the clear
+                         field */
+  gauge *gauges;
   size_t count;
+
+  /* Set by model_prepare. */
+  eda_model litho;
+  size_t n[AXES], nodes; /* nodes of each parameter, and their product */
+  double node[AXES][NODES];
+  /* [layers * nodes] of each mask; empty for layers without gauges */
+  eda_field *image[MASKS];
 } model;
 
-/* Simulate the layers with gauges at nodes of the defocus range focus[0] to
-   focus[1], nm. `error_of_image`: largest error of the images, relative to the
-   clear field. [main] */
-int model_prepare(model *m, const eda_mask *mask, const opc_module *litho,
-                  double margin, double error_of_image, const double focus[2],
+/* Simulate the layers with gauges at nodes of the ranges `from` to `to` of the
+   optics. [main] */
+int model_prepare(model *m, const double from[TERMS], const double to[TERMS],
                   opc_error *error);
 void model_clear(model *m);
+
+/* Set gauge.density of all gauges: the average of the mask's shapes, weighted
+   by a Gaussian with the standard deviation `range`, nm. [main] */
+int model_densities(model *m, double range, opc_error *error);
 
 /* Compute the printed width of each gauge. A feature that does not print has
    the width 0. [main] */
@@ -92,13 +122,15 @@ int fit_intervals(fitting *f, fitted *out, opc_error *error);
 
 typedef struct calibrate {
   const opc_host *host;
-  const eda_mask *mask;
+  const eda_mask *given[MASKS]; /* inputs; NULL: not given */
+  const eda_mask *mask[MASKS];  /* the n_masks given masks */
+  size_t n_masks;
   const char *path;
   const opc_module *litho;
   opc_reals range[TERMS];
   int64_t starts, folds;
-  int loss;
-  double margin, image_error;
+  int loss, leave;
+  double margin, image_error, density_range;
   gauge *gauges;
   size_t count;
   model model;
@@ -107,6 +139,8 @@ typedef struct calibrate {
   double *start_cost;               /* [starts] */
   double *residual, *left, *weight; /* [count]: fitted minus measured width;
                                      the same with the gauge left out */
+  double interpolation; /* rms of widths by interpolated images minus widths by
+                           images at the estimates, nm; NAN: no interpolation */
 } calibrate;
 
 /* Publish tables, metrics and findings. */

@@ -14,20 +14,22 @@ static int parameters_table(const calibrate *c, opc_error *error) {
     double value, low, high, sd, from, to;
   } row;
   row rows[TERMS];
+  size_t n = 0;
   const fitted *b = &c->best;
   for (size_t t = 0; t < TERMS; t++)
-    rows[t] = (row){.name = term_name[t],
-                    .unit = term_unit[t] ? term_unit[t] : "",
-                    .state = !c->fit.is_free[t] ? "fixed"
-                             : b->at_bound[t]   ? "at bound"
-                             : b->open[t]       ? "undetermined"
-                                                : "fitted",
-                    .value = b->value[t],
-                    .low = b->low[t],
-                    .high = b->high[t],
-                    .sd = b->sd[t],
-                    .from = c->fit.from[t],
-                    .to = c->fit.to[t]};
+    if (!isnan(b->value[t]))
+      rows[n++] = (row){.name = term_name[t],
+                        .unit = term_unit[t] ? term_unit[t] : "",
+                        .state = !c->fit.is_free[t] ? "fixed"
+                                 : b->at_bound[t]   ? "at bound"
+                                 : b->open[t]       ? "undetermined"
+                                                    : "fitted",
+                        .value = b->value[t],
+                        .low = b->low[t],
+                        .high = b->high[t],
+                        .sd = b->sd[t],
+                        .from = c->fit.from[t],
+                        .to = c->fit.to[t]};
   const opc_column columns[] = {
       {"parameter", NULL, OPC_TEXT, 0, &rows->name},
       {"unit", NULL, OPC_TEXT, 0, &rows->unit},
@@ -39,8 +41,8 @@ static int parameters_table(const calibrate *c, opc_error *error) {
       {"to", NULL, OPC_REAL, 3, &rows->to},
       {"state", NULL, OPC_TEXT, 0, &rows->state},
   };
-  return opc_put_rows(c->host, "calibration", OPC_TABLE_PRINT, TERMS,
-                      sizeof *rows, OPC_ARRAY(columns), error);
+  return opc_put_rows(c->host, "calibration", OPC_TABLE_PRINT, n, sizeof *rows,
+                      OPC_ARRAY(columns), error);
 }
 
 static int correlations_table(const calibrate *c, opc_error *error) {
@@ -69,12 +71,15 @@ static int gauges_table(const calibrate *c, opc_error *error) {
                                                                     "space"};
   typedef struct row {
     const char *layer, *axis, *feature;
-    double x, y, measured, residual, left, weight;
+    int64_t mask;
+    double x, y, measured, residual, left, weight, density;
   } row;
   row *rows = eda_alloc(c->count, sizeof *rows);
   for (size_t i = 0; i < c->count; i++) {
     const gauge *g = &c->gauges[i];
-    rows[i] = (row){.layer = c->mask->gates->layer[g->layer],
+    rows[i] = (row){.layer = c->mask[g->mask]->gates->layer[g->layer],
+                    .mask = g->mask + 1,
+                    .density = g->density,
                     .axis = axis[g->axis],
                     .feature = feature[g->space],
                     .x = g->x,
@@ -85,6 +90,7 @@ static int gauges_table(const calibrate *c, opc_error *error) {
                     .weight = c->weight[i]};
   }
   const opc_column columns[] = {
+      {"mask", NULL, OPC_INT, 0, &rows->mask},
       {"layer", NULL, OPC_TEXT, 0, &rows->layer},
       {"x", "nm", OPC_REAL, 1, &rows->x},
       {"y", "nm", OPC_REAL, 1, &rows->y},
@@ -94,6 +100,7 @@ static int gauges_table(const calibrate *c, opc_error *error) {
       {"residual", "nm", OPC_REAL, 3, &rows->residual},
       {"left_out", "nm", OPC_REAL, 3, &rows->left},
       {"weight", NULL, OPC_REAL, 3, &rows->weight},
+      {"density", NULL, OPC_REAL, 3, &rows->density},
   };
   int code = opc_put_rows(c->host, "gauges", 0, c->count, sizeof *rows,
                           OPC_ARRAY(columns), error);
@@ -109,6 +116,52 @@ static double rms_of(const double *values, size_t n) {
       count++;
     }
   return count > 0 ? sqrt(sum / count) : NAN;
+}
+
+/* Publish the errors of each layer of each mask. */
+static int masks_table(const calibrate *c, opc_error *error) {
+  typedef struct row {
+    int64_t mask, gauges;
+    const char *layer;
+    double mean, rms, left;
+  } row;
+  size_t n = 0, count = 0;
+  for (size_t m = 0; m < c->n_masks; m++) count += c->mask[m]->layers;
+  row *rows = eda_alloc(count, sizeof *rows);
+  double *left = eda_alloc(2 * c->count, sizeof *left), *off = left + c->count;
+  for (size_t m = 0; m < c->n_masks; m++)
+    for (size_t layer = 0; layer < c->mask[m]->layers; layer++) {
+      double sum = 0;
+      size_t k = 0;
+      for (size_t i = 0; i < c->count; i++) {
+        if ((size_t)c->gauges[i].mask != m ||
+            (size_t)c->gauges[i].layer != layer)
+          continue;
+        sum += c->residual[i];
+        left[k] = c->left[i];
+        off[k++] = c->residual[i];
+      }
+      if (k)
+        rows[n++] = (row){.mask = (int64_t)m + 1,
+                          .layer = c->mask[m]->gates->layer[layer],
+                          .gauges = (int64_t)k,
+                          .mean = sum / (double)k,
+                          .rms = rms_of(off, k),
+                          .left = rms_of(left, k)};
+    }
+  const opc_column columns[] = {
+      {"mask", NULL, OPC_INT, 0, &rows->mask},
+      {"layer", NULL, OPC_TEXT, 0, &rows->layer},
+      {"gauges", NULL, OPC_INT, 0, &rows->gauges},
+      {"mean", "nm", OPC_REAL, 3, &rows->mean},
+      {"rms", "nm", OPC_REAL, 3, &rows->rms},
+      {"rms_left_out", "nm", OPC_REAL, 3, &rows->left},
+  };
+  int code = opc_put_rows(c->host, "masks", OPC_TABLE_PRINT, n, sizeof *rows,
+                          OPC_ARRAY(columns), error);
+  free(left);
+  free(rows);
+  return code;
 }
 
 /* Log parameters at a bound, and the combination of parameters that the gauges
@@ -139,7 +192,7 @@ static void report_findings(const calibrate *c, size_t *undetermined) {
 
 int calibrate_report(calibrate *c, opc_error *error) {
   size_t undetermined, equal = 0;
-  double worst = 0, down = 0;
+  double worst = 0, down = 0, left = rms_of(c->left, c->count);
   for (size_t i = 0; i < c->count; i++) {
     worst = fmax(worst, fabs(c->residual[i]));
     down += c->weight[i] < 0.5;
@@ -151,14 +204,17 @@ int calibrate_report(calibrate *c, opc_error *error) {
       {"gauges", (double)c->count},
       {"rms", rms_of(c->residual, c->count)},
       {"worst", worst},
-      {c->folds > 1 ? "rms_left_out" : NULL, rms_of(c->left, c->count)},
+      {isnan(left) ? NULL : "rms_left_out", left},
+      {isnan(c->interpolation) ? NULL : "interpolation", c->interpolation},
       {"downweighted", down},
       {"undetermined", (double)undetermined},
       {"starts_equal", (double)equal}};
   int code = opc_put_metrics(c->host, OPC_ARRAY(values), error);
   for (size_t t = 0; t < TERMS && !code; t++)
-    code = c->host->metric(c->host, term_name[t], c->best.value[t], error);
+    if (!isnan(c->best.value[t]))
+      code = c->host->metric(c->host, term_name[t], c->best.value[t], error);
   if (!code) code = parameters_table(c, error);
+  if (!code) code = masks_table(c, error);
   if (!code) code = correlations_table(c, error);
   return code ? code : gauges_table(c, error);
 }

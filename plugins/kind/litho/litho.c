@@ -161,6 +161,34 @@ static void try_fine(opc_inspector *in, const opc_module *m, int layer,
   eda_field_clear(&away);
 }
 
+/* Check that image_optics without other optics computes the image of
+   image_fine, within the requested errors. */
+static void try_optics(opc_inspector *in, const opc_module *m, int layer,
+                       const eda_spectrum *mask) {
+  const eda_litho *o = m->functions;
+  eda_field field[2] = {{.nx = 0}};
+  opc_error error = {0};
+  const char *before = eda_enter(in->context, m, &error);
+  int code = o->image_optics(m->self, layer, mask, NAN, NAN, 0, coarse_error,
+                             &field[0], &error);
+  opc_leave(in->context, before);
+  if (!try_went_well(in, "image_optics", code, &error)) return;
+  if (!eda_check_field(&field[0], &mask->frame, "intensity", &error) &&
+      o->image_fine && call_fine(in, m, layer, mask, coarse_error, &field[1])) {
+    double x = mask->frame.x0, y = mask->frame.y0, value[2];
+    for (int k = 0; k < 2; k++)
+      eda_field_sample(&field[k], &x, &y, 1, &value[k]);
+    if (!(fabs(value[0] - value[1]) <= 2 * coarse_error + rounding))
+      in->find(in,
+               "image_optics: the intensity without other optics is %g, by "
+               "image_fine %g",
+               value[0], value[1]);
+  }
+  try_field(in, "image_optics", "intensity", &field[0], &mask->frame);
+  eda_field_clear(&field[0]);
+  eda_field_clear(&field[1]);
+}
+
 /* Check the spectrum of a mask by the model's own transform, and that `image`
    accepts the spectrum. */
 static void try_transform(opc_inspector *in, const opc_module *m) {
@@ -256,6 +284,7 @@ static void exercise(const opc_module *m, opc_inspector *in) {
     try_image(in, m, layer, &mask, 0);
     if (o->image_at) try_image(in, m, layer, &mask, 50);
     if (o->image_fine) try_fine(in, m, layer, &mask);
+    if (o->image_optics) try_optics(in, m, layer, &mask);
     eda_spectrum_clear(&mask);
   }
   if (o->transform) try_transform(in, m);

@@ -388,6 +388,51 @@ static int hopkins_image_fine(const void *self, int layer,
            : error->code;
 }
 
+/* ---- work: other optics ---- */
+
+static void hopkins_clear(void *self) {
+  hopkins *h = self;
+  for (size_t i = 0; i < h->n_cuts; i++)
+    if (h->cuts[i].entry)
+      cache_release(h->cuts[i].entry);
+    else
+      h->cuts[i].kernels->free(h->cuts[i].kernels);
+  pthread_mutex_destroy(&h->lock);
+}
+
+/* Compute an image by a temporary instance with the other optics. The cache
+   keeps the kernels of radial optics for the next call. */
+static int hopkins_image_optics(const void *self, int layer,
+                                const eda_spectrum *mask, double na,
+                                double sigma, double defocus, double wanted,
+                                eda_field *out, opc_error *error) {
+  const hopkins *h = self;
+  if (na <= 0 || sigma <= 0 || sigma > 1)
+    return opc_fail(error, OPC_INVALID, na <= 0 ? "na" : "sigma",
+                    "NA must be above 0 and sigma above 0 and at most 1, found "
+                    "%g and %g",
+                    na, sigma);
+  hopkins *other = eda_alloc(1, sizeof *other);
+  other->host = h->host;
+  other->optics = h->optics;
+  other->wanted = wanted;
+  if (!isnan(na)) other->optics.na = na;
+  if (!isnan(sigma)) {
+    other->optics.sigma = sigma;
+    other->optics.given[OPTICS_SIGMA] = 1;
+  }
+  pthread_mutex_init(&other->lock, NULL);
+  int code = optics_check(&other->optics, error);
+  if (!code) {
+    const cut *c = cut_find(other, defocus, wanted, OPC_NO_INT, error);
+    code = c ? hopkins_image_by(other, c->kernels, layer, mask, out, error)
+             : error->code;
+  }
+  hopkins_clear(other);
+  free(other);
+  return code;
+}
+
 /* ---- parameters ---- */
 
 static const opc_parameter parameters[] = {
@@ -431,16 +476,6 @@ static int hopkins_check(void *self, opc_error *error) {
       listed, MOST_LISTED / parts, parts);
 }
 
-static void hopkins_clear(void *self) {
-  hopkins *h = self;
-  for (size_t i = 0; i < h->n_cuts; i++)
-    if (h->cuts[i].entry)
-      cache_release(h->cuts[i].entry);
-    else
-      h->cuts[i].kernels->free(h->cuts[i].kernels);
-  pthread_mutex_destroy(&h->lock);
-}
-
 /* ---- entry ---- */
 
 static const eda_litho functions = {.prepare = hopkins_prepare,
@@ -448,7 +483,8 @@ static const eda_litho functions = {.prepare = hopkins_prepare,
                                     .scanner = hopkins_scanner,
                                     .image = hopkins_image,
                                     .image_at = hopkins_image_at,
-                                    .image_fine = hopkins_image_fine};
+                                    .image_fine = hopkins_image_fine,
+                                    .image_optics = hopkins_image_optics};
 OPC_PLUGIN(hopkins, .id = "litho.hopkins", .kind = "litho", .version = "0.2.0",
            .licence = "BSD-3-Clause",
            .summary = "partially coherent imaging by Hopkins kernels",

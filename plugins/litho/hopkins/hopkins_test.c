@@ -224,6 +224,38 @@ static void test_fine(void) {
   eda_spectrum_clear(&mask);
 }
 
+/* Test that image_optics computes the same bits as an instance with these
+   optics, and refuses a radius of the source above 1. */
+static void test_optics(void) {
+  opc_error error;
+  g_autoptr(opc_module) any = opc_test_module("litho.hopkins", "{}", &error);
+  g_autoptr(opc_module) same =
+      opc_test_module("litho.hopkins", "{ na: 0.7, sigma: 0.6 }", &error);
+  const eda_litho *litho = any->functions;
+  g_assert_cmpint(litho->prepare(same->self, &error), ==, OPC_OK);
+  eda_point points[] = {{-130, -170}, {90, -170}, {90, 230}, {-130, 230}};
+  uint32_t start[] = {0, 4};
+  eda_shapes shapes = {1, start, points, NULL};
+  eda_spectrum mask;
+  g_assert_cmpint(eda_mask_spectrum(opc_test_host()->context, &shapes, 1, frame,
+                                    litho->band(any->self), &mask, &error),
+                  ==, OPC_OK);
+  eda_field a = {0}, b = {0};
+  g_assert_cmpint(
+      litho->image_optics(any->self, 0, &mask, 0.7, 0.6, 40, 5e-4, &a, &error),
+      ==, OPC_OK);
+  g_assert_cmpint(litho->image_fine(same->self, 0, &mask, 40, 5e-4, &b, &error),
+                  ==, OPC_OK);
+  g_assert_cmpmem(a.coefficients, (size_t)(a.nx * a.ny) * sizeof(float),
+                  b.coefficients, (size_t)(b.nx * b.ny) * sizeof(float));
+  eda_field_clear(&a);
+  eda_field_clear(&b);
+  g_assert_cmpint(
+      litho->image_optics(any->self, 0, &mask, NAN, 1.2, 0, 5e-4, &a, &error),
+      ==, OPC_INVALID);
+  eda_spectrum_clear(&mask);
+}
+
 /* Test that an accurate image has at most the error of the model's own image
    even if a larger error is requested. */
 static void test_coarse(void) {
@@ -534,6 +566,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/hopkins/definition", test_definition);
   g_test_add_func("/hopkins/lines", test_lines);
   g_test_add_func("/hopkins/fine", test_fine);
+  g_test_add_func("/hopkins/optics", test_optics);
   g_test_add_func("/hopkins/coarse", test_coarse);
   g_test_add_func("/hopkins/clear-field", test_clear);
   g_test_add_func("/hopkins/too-fine", test_too_fine);

@@ -92,6 +92,17 @@ static int image_fine(const void *self, int layer, const eda_spectrum *mask,
   return take_image(m, code, before, mask, out, error);
 }
 
+static int image_optics(const void *self, int layer, const eda_spectrum *mask,
+                        double na, double sigma, double defocus, double wanted,
+                        eda_field *out, opc_error *error) {
+  eda_model *m = (eda_model *)self;
+  memset(out, 0, sizeof *out);
+  const char *before = eda_enter(m->context, m->litho, error);
+  int code = inner_model(m)->image_optics(m->litho->self, layer, mask, na,
+                                          sigma, defocus, wanted, out, error);
+  return take_image(m, code, before, mask, out, error);
+}
+
 static int model_gradient(const void *self, int layer, const eda_spectrum *mask,
                           double defocus, const eda_field *weight,
                           eda_field *out, opc_error *error) {
@@ -159,6 +170,7 @@ void eda_model_init(eda_model *m, const opc_context *context,
                   .image_fine = there->image_fine ? image_fine : NULL,
                   .transform = there->transform ? model_transform : NULL,
                   .gradient = there->gradient ? model_gradient : NULL,
-                  .scanner = there->scanner ? model_scanner : NULL};
+                  .scanner = there->scanner ? model_scanner : NULL,
+                  .image_optics = there->image_optics ? image_optics : NULL};
   m->module = (opc_module){&m->functions, m, litho->id};
 }

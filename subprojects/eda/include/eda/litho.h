@@ -54,6 +54,15 @@ typedef struct eda_litho {
      (natural.h); also called before `prepare`. NULL: unknown. Since 0.7.
      [any] */
   eda_scanner (*scanner)(const void *self);
+
+  /* Optional. As `image_fine`, with the numerical aperture `na` and the radius
+     of the source `sigma` in place of the values of the parameters; NAN: the
+     value of the parameter. The band of `mask` is at least (1 + sigma) na /
+     wavelength. Does not need `prepare`. NULL: not supported. Since 0.9.
+     [any] */
+  int (*image_optics)(const void *self, int layer, const eda_spectrum *mask,
+                      double na, double sigma, double defocus, double wanted,
+                      eda_field *out, opc_error *error);
   OPC_MAY_GROW
 } eda_litho;
 
