@@ -58,7 +58,7 @@ try "$opcflow" inspect synthesizer.bisect --plugin-path "$work/alone"
 try "$meson" setup "$work/build" "$work/project" --prefix "$work/private" \
   -Dplugins="$work/private/plugins" -Db_sanitize="$sanitize" -Db_lundef=false
 try ninja -C "$work/build"
-try env OPCFLOW_NO_SYSTEM_PLUGINS=1 "$meson" test -C "$work/build" --no-rebuild
+try env OPCFLOW_NO_SYSTEM_PLUGINS=1 "$meson" test -C "$work/build" --no-rebuild -t 10
 [ "$(grep -c ' OK ' "$work/log")" = 4 ] || { cat "$work/log"; fail "not 4 tests"; }
 try "$meson" install -C "$work/build" --no-rebuild
 

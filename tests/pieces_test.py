@@ -145,8 +145,10 @@ def test_said():
     folder, said, _ = run("b.fault=warn", "b.at=1")
     assert said.stderr.count("warning: " + text) == 1 and said.stderr.count("finding: " + text) == 1, said.stderr
     fresh()
-    process = start("b.fault=warn", "b.at=1", "b.wait=50")
-    while len(pieces()) < 11 + 4:  # until the second list has 4 results, including unit 1
+    os.mkdir("hold")
+    open("hold/4", "w").close()
+    process = start("b.fault=warn", "b.at=1", "b.hold=hold")
+    while not os.path.exists("hold/4.here"):  # the second list has 4 results, including unit 1
         assert process.poll() is None
         time.sleep(0.002)
     process.kill()
@@ -170,7 +172,9 @@ def test_kills():
         fresh()
         open("journal", "w").close()
         process = start("b.wait=5")
-        time.sleep(random.uniform(0.02, 0.25))
+        moment = random.randrange(24)
+        while process.poll() is None and os.path.getsize("journal") < moment * len("first 0 1\n"):
+            time.sleep(0.001)
         process.kill()
         process.wait()
         kept = len(pieces())

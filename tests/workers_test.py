@@ -12,7 +12,7 @@ import sys
 import time
 
 import ranks_test
-from ranks_test import ALL, check
+from ranks_test import ALL, check, wait_for
 
 KILLS = int(os.environ.get("WORKERS_KILLS", "8"))
 KEPT = [(w, i) for w, i in ALL if i != 9]  # unit 9 of each list has no key
@@ -31,7 +31,7 @@ def begin(place, n, *sets):
 
 
 def end(process, code=0):
-    process.out, process.err = process.communicate(timeout=100)
+    process.out, process.err = process.communicate(timeout=ranks_test.LONG)
     assert process.returncode == code, (process.returncode, process.out, process.err)
 
 
@@ -40,17 +40,9 @@ def counts(place):
     return collections.Counter((w, i) for w, i, _ in place.done() if i != 9)
 
 
-def wait_for(condition):
-    for _ in range(20000):
-        if condition():
-            return
-        time.sleep(0.002)
-    raise AssertionError("the awaited state did not occur in 40 s")
-
-
 def test_once(place):
     """Several processes compute each unit once, and each process computes some."""
-    workers = begin(place, 4)
+    workers = begin(place, 4, "b.hold=" + place.hold(), "b.crowd=4")
     for process in workers:
         end(process)
         check(process.folder)
@@ -61,13 +53,14 @@ def test_once(place):
 
 def test_dead(place):
     """The others wait for a unit of a stopped process, and compute the unit when the process is killed."""
-    stopped, = begin(place, 1, "b.wait=300")
-    wait_for(lambda: len(place.done()) == 2)
+    folder = place.hold(7)
+    stopped, = begin(place, 1, "b.hold=" + folder)
+    wait_for(lambda: os.path.exists(folder + "/7.here"), stopped)
     os.kill(stopped.pid, signal.SIGSTOP)
     other = join(place)
-    wait_for(lambda: len(counts(place)) == 10)  # the first list except the claimed unit
+    wait_for(lambda: len(counts(place)) == 21, other)  # all units except the claimed one
     time.sleep(0.3)
-    assert other.poll() is None and len(counts(place)) == 10, counts(place)
+    assert other.poll() is None and len(counts(place)) == 21, counts(place)
     stopped.kill()
     stopped.wait()
     end(other)
@@ -77,19 +70,16 @@ def test_dead(place):
 
 def test_late(place):
     """A process that is behind still finds the units after another process has finished the step."""
-    slow, = begin(place, 1)
-    wait_for(lambda: len(place.done()) == 14)
-    os.kill(slow.pid, signal.SIGSTOP)
+    folder = place.hold(2, 9)
+    slow, = begin(place, 1, "b.hold=" + folder)
+    wait_for(lambda: os.path.exists(folder + "/2.here"), slow)
     fast = join(place)
-    wait_for(lambda: len(counts(place)) == 21 or fast.poll() is not None)
-    time.sleep(0.1)
-    os.kill(slow.pid, signal.SIGCONT)
-    os.kill(fast.pid, signal.SIGSTOP)
-    wait_for(lambda: len(counts(place)) == 22)
-    os.kill(slow.pid, signal.SIGSTOP)
-    os.kill(fast.pid, signal.SIGCONT)
+    wait_for(lambda: len(counts(place)) == 21, fast)
+    os.unlink(folder + "/2")
+    wait_for(lambda: os.path.exists(folder + "/9.here"), slow)
     end(fast)
-    os.kill(slow.pid, signal.SIGCONT)
+    assert slow.poll() is None
+    os.unlink(folder + "/9")
     end(slow)
     for process in (fast, slow):
         check(process.folder)

@@ -19,6 +19,7 @@ import zlib
 SOURCE = os.environ['OPCFLOW_SOURCE']
 COMMAND = os.path.join(os.environ['OPCFLOW_BUILD'], 'opcflow')
 EVIL = '</script><img src=x onerror=alert(1)>'
+LONG = 120  # s; a loaded machine is slow
 BROWSERS = ('chromium', 'chromium-browser', 'google-chrome')
 
 
@@ -36,9 +37,10 @@ class Browser:
                                         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         port_file = os.path.join(folder, 'DevToolsActivePort')
         self.events, self.number = [], 0
-        for _ in range(300):
-            if os.path.exists(port_file) and os.path.getsize(port_file):
-                break
+        end = time.monotonic() + LONG
+        while not (os.path.exists(port_file) and os.path.getsize(port_file)):
+            if self.process.poll() is not None or time.monotonic() > end:
+                raise RuntimeError('the browser does not start')
             time.sleep(0.1)
         port = int(open(port_file).readline())
         pages = json.load(urllib.request.urlopen('http://127.0.0.1:%d/json' % port))
@@ -47,7 +49,7 @@ class Browser:
             self.call(domain + '.enable')
 
     def connect(self, port, url):
-        self.socket = socket.create_connection(('127.0.0.1', port), timeout=60)
+        self.socket = socket.create_connection(('127.0.0.1', port), timeout=LONG)
         path = '/' + url.split('/', 3)[3]
         self.socket.sendall(('GET %s HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nUpgrade: websocket\r\n'
                              'Connection: Upgrade\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n'
@@ -98,11 +100,11 @@ class Browser:
         return answer['result'].get('value')
 
     def until(self, expression):
-        for _ in range(200):
-            if self.value(expression):
-                return
+        end = time.monotonic() + LONG
+        while not self.value(expression):
+            if time.monotonic() > end:
+                raise RuntimeError('never true: ' + expression)
             time.sleep(0.05)
-        raise RuntimeError('never true: ' + expression)
 
     def open(self, path):
         self.call('Page.navigate', url='file://' + path)
@@ -249,6 +251,7 @@ def test_pointing(b, runs):
     run = runs[0]
     for i in range(len(run.gates)):
         b.mouse('mouseMoved', *place(b, 1, run.centre(i)))
+        b.settle()
         shown = b.value('''document.querySelector('.tip').hidden ? '' : document.querySelector('.tip').innerText''')
         for text in (run.gates[i]['transistor'], run.gates[i]['cell']):
             expect(text in shown, True, 'tip %r of %s' % (shown, text))

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the step test.kept, whose outputs can be saved: a number plus the
    number of the input, and twice that sum. The log reports whether the step
-   ran or was restored; `wait` delays the run. */
+   ran or was restored; `wait` delays the run. The step makes the file `hold`
+   and waits until a test removes the file. */
+#include <fcntl.h>
 #include <opcflow/step.h>
 #include <opcflow/table.h>
 #include <stdio.h>
@@ -16,7 +18,7 @@ typedef struct kept {
   int number_given;
   int64_t wait; /* ms */
   const double *add;
-  const char *file;
+  const char *file, *hold;
 } kept;
 
 /* ---- work ---- */
@@ -28,6 +30,9 @@ static int kept_run(void *self, void **outputs, opc_error *error) {
   *sum = k->number / 3 + (k->add ? *k->add : 0);
   *twice = 2 * *sum;
   (void)usleep((useconds_t)k->wait * 1000);
+  int held = k->hold ? open(k->hold, O_WRONLY | O_CREAT, 0666) : -1;
+  if (held >= 0) (void)close(held);
+  while (held >= 0 && !access(k->hold, F_OK)) (void)usleep(1000);
   k->host->log(k->host, OPC_LOG_INFO, "ran");
   const opc_column columns[] = {{"sum", NULL, OPC_REAL, -1, sum}};
   int code = opc_put_table(k->host, "kept", 0, 1, columns, 1, error);
@@ -83,6 +88,8 @@ static const opc_parameter parameters[] = {
                   .summary = "a number", .given = offsetof(kept, number_given)),
     OPC_PARAMETER(kept, wait, .type = OPC_INT, .flags = OPC_NO_EFFECT,
                   .preset = "0", .summary = "ms"),
+    OPC_PARAMETER(kept, hold, .type = OPC_TEXT, .flags = OPC_NO_EFFECT,
+                  .summary = "a file that a test removes"),
     OPC_PARAMETER(kept, add, .type = OPC_INPUT, .choices = "number",
                   .summary = "another number"),
     OPC_PARAMETER(kept, file, .type = OPC_OUTPUT, .summary = "a file"),

@@ -1,8 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements the steps test.pieces and test.alone (without inputs, for lint)
    with two lists of work units. The second list needs the results of the first.
-   Each unit waits and appends a line to a journal. The outputs can be saved. */
+   Each unit waits and appends a line to a journal. The outputs can be saved.
+
+   In the folder `hold`, a test controls units of the second list: unit I makes
+   I.here and waits until the file I is removed. Each process makes PID.begun
+   in its first unit; no unit ends before `crowd` processes have done so. */
 #include <fcntl.h>
+#include <glob.h>
 #include <opcflow/pieces.h>
 #include <opcflow/step.h>
 #include <opcflow/table.h>
@@ -28,10 +33,11 @@ enum {
 
 typedef struct pieces {
   const opc_host *host;
-  int64_t count, wait, size, at; /* number of units; time of a unit, ms; numbers
-                                    in a result; index of the faulty unit */
+  int64_t count, wait, size, at,
+      crowd; /* number of units; time of a unit, ms; numbers
+         in a result; index of the faulty unit */
   const double *add;
-  const char *journal;
+  const char *journal, *hold;
   int fault, kept;
   char text[32]; /* key of a unit */
   double sum;    /* sum of the first list */
@@ -108,10 +114,47 @@ static int pieces_fault(pieces *p, size_t i, opc_bytes *out, opc_error *error) {
   return OPC_OK;
 }
 
+static void mark(const pieces *p, long number, const char *ending) {
+  char path[4096];
+  (void)snprintf(path, sizeof path, "%s/%ld%s", p->hold, number, ending);
+  int file = open(path, O_WRONLY | O_CREAT, 0666);
+  if (file >= 0) (void)close(file);
+}
+
+static int is_held(const pieces *p, size_t i) {
+  char path[4096];
+  (void)snprintf(path, sizeof path, "%s/%zu", p->hold, i);
+  return p->sum > 0 && !access(path, F_OK);
+}
+
+static int is_crowd(const pieces *p) {
+  char pattern[4096];
+  glob_t found;
+  (void)snprintf(pattern, sizeof pattern, "%s/*.begun", p->hold);
+  size_t n = glob(pattern, 0, NULL, &found) ? 0 : found.gl_pathc;
+  if (n) globfree(&found);
+  return (int64_t)n >= p->crowd;
+}
+
+/* Wait as the folder `hold` requires, at most ten minutes. */
+static int wait_held(const pieces *p, size_t i, opc_error *error) {
+  if (!p->hold) return OPC_OK;
+  mark(p, getpid(), ".begun");
+  if (is_held(p, i)) mark(p, (long)i, ".here");
+  for (int n = 0; is_held(p, i) || !is_crowd(p); n++) {
+    if (n == 600000)
+      return opc_fail(error, OPC_FAILED, NULL, "is still held in '%s'",
+                      p->hold);
+    (void)usleep(1000);
+  }
+  return OPC_OK;
+}
+
 static int piece_work(void *data, size_t i, opc_bytes *out, opc_error *error) {
   pieces *p = data;
   if ((int64_t)i == p->at && p->sum > 0 && pieces_fault(p, i, out, error))
     return error->code;
+  if (wait_held(p, i, error)) return error->code;
   (void)usleep((useconds_t)(p->wait * (1 + (int64_t)i % 3) * 1000));
   for (int64_t k = 0; k < p->size; k++) {
     double v = value(p, i, (size_t)k);
@@ -242,6 +285,11 @@ static const opc_parameter parameters[] = {
 #endif
     OPC_PARAMETER(pieces, journal, .type = OPC_TEXT, .flags = OPC_NO_EFFECT,
                   .summary = "a file to which each piece adds a line"),
+    OPC_PARAMETER(pieces, hold, .type = OPC_TEXT, .flags = OPC_NO_EFFECT,
+                  .summary = "a folder in which a test controls the pieces"),
+    OPC_PARAMETER(pieces, crowd, .type = OPC_INT, .flags = OPC_NO_EFFECT,
+                  .preset = "1",
+                  .summary = "number of processes that begin together"),
     OPC_PARAMETER(
         pieces, fault, .type = OPC_CHOICE, .flags = OPC_NO_EFFECT,
         .preset = "none",

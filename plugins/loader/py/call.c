@@ -267,12 +267,23 @@ static int worker_died(py_worker *w, const opc_host *host, opc_error *error) {
                   how, w->call, *log ? ": " : "", last_line(log));
 }
 
+static off_t log_size(const py_worker *w) {
+  struct stat about;
+  return fstat(w->log, &about) ? 0 : about.st_size;
+}
+
 /* Stop a call that does not end: write the traceback to the log, then kill the
-   process. */
+   process. The traceback is complete when the log has grown and does not change
+   for a period. */
 static void worker_stop(py_worker *w, const opc_host *host) {
-  enum { TIME = 100000 }; /* us, for writing the traceback */
+  enum { PERIOD = 100000, MOST = 30 }; /* us; periods */
+  off_t begin = log_size(w), before;
+  int n = 0;
   kill(w->pid, SIGUSR1);
-  g_usleep(TIME);
+  do {
+    before = log_size(w);
+    g_usleep(PERIOD);
+  } while (++n < MOST && (log_size(w) == begin || log_size(w) > before));
   g_autofree char *log = py_worker_log(w);
   worker_report(host, OPC_LOG_WARNING, log);
   kill(w->pid, SIGKILL);
