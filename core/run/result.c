@@ -3,15 +3,15 @@
    warnings) as one value, so that the effects can be repeated without the
    step. */
 #include <string.h>
-#include <sys/stat.h>
 
 #include <store/pack.h>
 #include "core/run/result.h"
 
 /* Format of the effects: seconds; processor seconds; metrics: path, name,
    value; warnings: level, path, text; tables: name, flags, rows, columns of
-   name, unit, type, decimals, data; files. Paths are relative to the step. */
-const char opc_result_type[] = "(dda(ssd)a(uss)a(suta(smsuiv))a(ayay))";
+   name, unit, type, decimals, data; files, whose contents follow the value.
+   Paths are relative to the step. */
+const char opc_result_type[] = "(dda(ssd)a(uss)a(suta(smsuiv))a(ayt))";
 
 /* ---- from a run ---- */
 
@@ -83,13 +83,6 @@ GVariant *opc_result_new(const opc_run *run, const opc_flow_step *step,
   pack_metrics(&metrics, run, step);
   for (guint i = tables; i < run->out.tables->len; i++)
     pack_table(&kept, run->out.tables->pdata[i]);
-  guint64 bytes = 0;
-  for (guint i = 0; i < run->written.given->len; i++) {
-    struct stat about;
-    if (!lstat(run->written.given->pdata[i], &about))
-      bytes += (guint64)about.st_size;
-  }
-  good = good && bytes <= opc_store_most(run->options->store);
   for (guint i = 0; good && i < run->written.given->len; i++) {
     const char *path = run->written.given->pdata[i];
     good = opc_files_add(&files, path, path + strlen(run->written.work) + 1);
@@ -182,17 +175,16 @@ static int publish_tables(const opc_flow_step *step, GVariant *tables,
 }
 
 static int publish_files(const opc_flow_step *step, GVariant *files,
-                         opc_error *error) {
+                         int contents, opc_error *error) {
   const opc_host *host = step->binding->host;
   GVariantIter all;
   const char *name;
-  GVariant *bytes;
+  guint64 size;
   int code = OPC_OK;
   g_variant_iter_init(&all, files);
-  while (!code && g_variant_iter_next(&all, "(^&ay@ay)", &name, &bytes)) {
+  while (!code && g_variant_iter_next(&all, "(^&ayt)", &name, &size)) {
     const char *path = host->output_path(host, name, error);
-    code = path ? opc_file_unpack(path, bytes, error) : error->code;
-    g_variant_unref(bytes);
+    code = path ? opc_file_unpack(path, contents, size, error) : error->code;
   }
   return code;
 }
@@ -211,7 +203,7 @@ void opc_messages_replay(opc_run *run, const opc_flow_step *step,
 }
 
 int opc_result_publish(opc_run *run, const opc_flow_step *step,
-                       GVariant *result, opc_error *error) {
+                       GVariant *result, int contents, opc_error *error) {
   g_autoptr(GVariant) metrics = g_variant_get_child_value(result, 2);
   g_autoptr(GVariant) messages = g_variant_get_child_value(result, 3);
   g_autoptr(GVariant) tables = g_variant_get_child_value(result, 4);
@@ -219,7 +211,7 @@ int opc_result_publish(opc_run *run, const opc_flow_step *step,
   g_variant_get_child(result, 0, "d", &run->out.seconds[step->number]);
   g_variant_get_child(result, 1, "d", &run->out.processor[step->number]);
   opc_messages_replay(run, step, messages);
-  int code = publish_files(step, files, error);
+  int code = publish_files(step, files, contents, error);
   if (!code) code = publish_tables(step, tables, error);
   return code ? code : publish_metrics(step, metrics, error);
 }

@@ -12,10 +12,11 @@ extern const char opc_result_type[];
 GVariant *opc_result_new(const opc_run *run, const opc_flow_step *step,
                          guint tables);
 
-/* Publish the files, tables, metrics and warnings of a stored result. Returns
-   OPC_OK or a code and *error. */
+/* Publish the files, tables, metrics and warnings of a stored result, with the
+   contents of the files from a descriptor. Returns OPC_OK or a code and
+   *error. */
 int opc_result_publish(opc_run *run, const opc_flow_step *step,
-                       GVariant *result, opc_error *error);
+                       GVariant *result, int contents, opc_error *error);
 
 /* opc_messages_pack: pack messages (may be NULL) as a(uss); return FALSE if a
    message is of another step. opc_messages_replay: log packed messages

@@ -3,6 +3,7 @@
    step are replayed. The outputs are provided only if a step that runs needs
    them: loaded from the store, or computed by running the reused step again. */
 #include <glib/gstdio.h>
+#include <unistd.h>
 
 #include <store/files.h>
 #include <store/pack.h>
@@ -146,16 +147,18 @@ static char *name_of(const opc_key *key, const char *ending) {
 
 /* ---- loading and storing results ---- */
 
-/* Return the stored result of a step; NULL if none is stored. A step with an
-   inner flow always runs; only the steps of the inner flow are reused. */
-static GVariant *find_result(const opc_run *run, const opc_flow_step *step) {
+/* Return the stored result of a step, and a descriptor of its files; NULL if
+   none is stored. A step with an inner flow always runs; only the steps of the
+   inner flow are reused. */
+static GVariant *find_result(const opc_run *run, const opc_flow_step *step,
+                             int *contents) {
   const opc_key *key = &run->kept.keys[step->number];
   if (!key->sum || step->binding->inner) return NULL;
   g_autofree char *name = name_of(key, ".result");
   opc_store *store = run->options->store;
   opc_store_join(store, key->sum); /* until opc_reuse_keep */
-  GVariant *result =
-      opc_store_get(store, name, G_VARIANT_TYPE(opc_result_type));
+  GVariant *result = opc_store_get_files(
+      store, name, G_VARIANT_TYPE(opc_result_type), contents);
   if (result) opc_store_leave(store, key->sum);
   return result;
 }
@@ -164,14 +167,18 @@ gboolean opc_reuse_take(opc_run *run, const opc_flow_step *step,
                         opc_problems *problems) {
   const ranks_group *ranks = opc_run_ranks(run);
   opc_error error = {0};
+  int contents = -1, code = OPC_OK;
   g_autoptr(GVariant) result =
-      opc_run_is_first(run) ? find_result(run, step) : NULL;
+      opc_run_is_first(run) ? find_result(run, step, &contents) : NULL;
   char found = result != NULL;
   store_warn(run);
-  if (ranks && ranks->spread(&found, 1, 0, &error))
+  gboolean lost = ranks && ranks->spread(&found, 1, 0, &error);
+  if (result && !lost)
+    code = opc_result_publish(run, step, result, contents, &error);
+  if (contents >= 0) close(contents);
+  if (lost)
     return opc_problem_add(problems, error.code, NULL, "%s", error.message);
   if (!found || !result) return found;
-  int code = opc_result_publish(run, step, result, &error);
   if (code)
     opc_binding_fail(step->binding, TRUE, code, &error, problems);
   else
@@ -206,9 +213,9 @@ static gboolean keep_outputs(opc_run *run, const opc_flow_step *step) {
                  : OPC_IO;
   opc_binding_leave(before);
   opc_call_set_inputs(run, step, FALSE);
-  GVariant *all = code ? NULL : opc_files_pack(folder, opc_store_most(store));
+  GVariant *all = code ? NULL : opc_files_list(folder);
   g_autofree char *name = name_of(&run->kept.keys[step->number], ".outputs");
-  gboolean kept = all && opc_store_put(store, name, all);
+  gboolean kept = all && opc_store_put_files(store, name, all, all, folder);
   close_scratch(folder);
   return kept;
 }
@@ -226,7 +233,9 @@ void opc_reuse_keep(opc_run *run, const opc_flow_step *step, guint tables) {
   if (result) {
     g_autofree char *name = name_of(key, ".result");
     gboolean outputs = keep_outputs(run, step);
-    gboolean kept = opc_store_put(store, name, result);
+    g_autoptr(GVariant) files = g_variant_get_child_value(result, 5);
+    gboolean kept =
+        opc_store_put_files(store, name, result, files, run->written.work);
     if (kept) keep_facts(store, step, key->facts);
     /* Another process that runs this step still needs its pieces. */
     if (kept && outputs && opc_store_claim(store, key->sum))
@@ -244,11 +253,13 @@ static gboolean step_restore(opc_run *run, const opc_flow_step *step) {
   const opc_step *functions = b->plugin->functions;
   if (!functions->restore || !run->kept.keys[step->number].sum) return FALSE;
   g_autofree char *name = name_of(&run->kept.keys[step->number], ".outputs");
+  int contents;
   g_autoptr(GVariant) kept =
-      opc_store_get(run->options->store, name, OPC_FILES_TYPE);
+      opc_store_get_files(run->options->store, name, OPC_FILES_TYPE, &contents);
   char *folder = kept ? open_scratch(run) : NULL;
   opc_error error = {0};
-  int code = folder ? opc_files_unpack(kept, folder, &error) : OPC_IO;
+  int code = folder ? opc_files_unpack(kept, contents, folder, &error) : OPC_IO;
+  if (contents >= 0) close(contents);
   if (!code) {
     run->objects[step->number] = g_new0(void *, functions->n_outputs + 1);
     opc_call_set_inputs(run, step, TRUE);

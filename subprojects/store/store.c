@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Files of the store: FOLDER/entries/ab/cdef... has a line of 16 bytes, 64
-   digits of the SHA-256 of the remainder, and a GVariant. FOLDER/new/ has files
-   being written, locked by their writers. FOLDER/lock is locked while old
-   entries are removed. FOLDER/limit has the limit. FOLDER/claims is an empty
-   file with the locks of claims. FOLDER/opcflow-store is an empty file that
-   marks the folder as a store. */
+/* Files of the store. FOLDER/entries/ab/cdef... has a line of 16 bytes, 64
+   digits of the SHA-256 of the remainder, 16 digits of the size of a GVariant,
+   the GVariant, and the contents of files. FOLDER/new/ has files being written,
+   locked by their writers. FOLDER/lock is locked while old entries are removed.
+   FOLDER/limit has the limit. FOLDER/claims is an empty file with the locks of
+   claims. FOLDER/opcflow-store is an empty file that marks the folder as a
+   store. */
 #include <store/store.h>
 
 #include <errno.h>
@@ -16,10 +17,16 @@
 #include <unistd.h>
 
 #include <store/files.h>
+#include <store/pack.h>
 #include "private.h"
 
-static const char mark[] = "opcflow store 1\n";
-enum { MARK = 16, SUM = 64, HEAD = MARK + SUM };
+static const char mark[] = "opcflow store 2\n";
+/* Mark of a format that is not read: SHA-256 and GVariant only. */
+static const char older[] = "opcflow store 1\n";
+enum { MARK = 16, SUM = 64, SIZE = 16, HEAD = MARK + SUM + SIZE };
+
+/* Size of the buffer through which the contents of files are copied. */
+enum { BUFFER = 65536 };
 
 /* ---- opening ---- */
 
@@ -132,31 +139,75 @@ static char *path_of(const opc_store *store, const char *key) {
 
 /* ---- reading ---- */
 
-static gboolean is_sound(const char *text, gsize n) {
-  if (n < HEAD || memcmp(text, mark, MARK)) return FALSE;
-  g_autofree char *sum = g_compute_checksum_for_data(
-      G_CHECKSUM_SHA256, (const guchar *)text + HEAD, n - HEAD);
-  return !memcmp(text + MARK, sum, SUM);
+/* Read exactly n bytes. */
+static gboolean read_all(int file, void *data, gsize n) {
+  char *at = data;
+  while (n) {
+    ssize_t done = read(file, at, n);
+    if (done < 0 && errno == EINTR) continue;
+    if (done <= 0) return FALSE;
+    at += done;
+    n -= (gsize)done;
+  }
+  return TRUE;
+}
+
+/* Return the bytes of the value of an entry (g_free), and set the position to
+   the contents of its files; NULL if the entry is damaged. */
+static char *read_sound(int file, const char *head, gsize *n) {
+  struct stat about;
+  g_autofree char *digits = g_strndup(head + MARK + SUM, SIZE);
+  guint64 size = g_ascii_strtoull(digits, NULL, 16);
+  if (memcmp(head, mark, MARK) || fstat(file, &about) ||
+      size > (guint64)about.st_size - HEAD)
+    return NULL;
+  char *text = g_malloc(MAX(*n = size, 1)), buffer[BUFFER];
+  g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
+  gboolean good = read_all(file, text, size);
+  g_checksum_update(sum, (const guchar *)digits, SIZE);
+  g_checksum_update(sum, (const guchar *)text, (gssize)size);
+  for (guint64 left = (guint64)about.st_size - HEAD - size; good && left;) {
+    gsize next = MIN(left, BUFFER);
+    good = read_all(file, buffer, next);
+    g_checksum_update(sum, (const guchar *)buffer, (gssize)next);
+    left -= next;
+  }
+  if (good && !memcmp(head + MARK, g_checksum_get_string(sum), SUM) &&
+      lseek(file, (off_t)(HEAD + size), SEEK_SET) >= 0)
+    return text;
+  g_free(text);
+  return NULL;
+}
+
+GVariant *opc_store_get_files(opc_store *store, const char *key,
+                              const GVariantType *type, int *contents) {
+  g_autofree char *path = path_of(store, key);
+  char head[HEAD];
+  gsize n;
+  *contents = -1;
+  int file = open(path, O_RDONLY | O_CLOEXEC);
+  if (file < 0) return NULL;
+  gboolean whole = read_all(file, head, HEAD);
+  char *text = whole ? read_sound(file, head, &n) : NULL;
+  if (text) {
+    (void)utimensat(AT_FDCWD, path, NULL, 0); /* mark as recently used */
+    *contents = file;
+    return g_variant_ref_sink(
+        g_variant_new_from_data(type, text, n, FALSE, g_free, text));
+  }
+  close(file);
+  if (!whole || memcmp(head, older, MARK))
+    store_complain(store, path, "was damaged and has been removed");
+  (void)unlink(path);
+  return NULL;
 }
 
 GVariant *opc_store_get(opc_store *store, const char *key,
                         const GVariantType *type) {
-  g_autofree char *path = path_of(store, key);
-  g_autofree char *text = NULL;
-  gsize n;
-  if (!g_file_get_contents(path, &text, &n, NULL)) return NULL;
-  if (is_sound(text, n)) {
-    (void)utimensat(AT_FDCWD, path, NULL, 0); /* mark as recently used */
-    GBytes *all = g_bytes_new_take(g_steal_pointer(&text), n);
-    GBytes *body = g_bytes_new_from_bytes(all, HEAD, n - HEAD);
-    GVariant *value = g_variant_new_from_bytes(type, body, FALSE);
-    g_bytes_unref(body);
-    g_bytes_unref(all);
-    return g_variant_ref_sink(value);
-  }
-  store_complain(store, path, "was damaged and has been removed");
-  (void)unlink(path);
-  return NULL;
+  int contents;
+  GVariant *value = opc_store_get_files(store, key, type, &contents);
+  if (contents >= 0) close(contents);
+  return value;
 }
 
 gboolean opc_store_has(const opc_store *store, const char *key) {
@@ -178,27 +229,75 @@ static gboolean write_all(int file, const void *data, gsize n) {
   return TRUE;
 }
 
-/* Write a value under a temporary name, locked during the write. */
+static gboolean write_part(int file, GChecksum *sum, const void *data,
+                           gsize n) {
+  g_checksum_update(sum, data, (gssize)n);
+  return write_all(file, data, n);
+}
+
+/* Append the contents of a file. Return FALSE if the file has another size. */
+static gboolean write_file(int file, GChecksum *sum, const char *path,
+                           guint64 size) {
+  char buffer[BUFFER];
+  ssize_t n = 0;
+  gboolean good = TRUE;
+  int from = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+  guint64 left = size;
+  while (from >= 0 && good && (n = read(from, buffer, BUFFER)) > 0) {
+    if ((guint64)n > left) break;
+    good = write_part(file, sum, buffer, (gsize)n);
+    left -= (guint64)n;
+  }
+  if (from >= 0) close(from);
+  if (!good) return FALSE;
+  errno = ENOENT; /* a changed file is no fault of the store */
+  return from >= 0 && !n && !left;
+}
+
+/* Append the contents of all files. */
+static gboolean write_files(int file, GChecksum *sum, GVariant *files,
+                            const char *folder) {
+  GVariantIter all;
+  const char *name;
+  guint64 size;
+  gboolean good = TRUE;
+  g_variant_iter_init(&all, files);
+  while (good && g_variant_iter_next(&all, "(^&ayt)", &name, &size)) {
+    g_autofree char *path = g_build_filename(folder, name, NULL);
+    good = write_file(file, sum, path, size);
+  }
+  return good;
+}
+
+/* Write a value and files under a temporary name, locked during the write. The
+   checksum is written last. */
 static gboolean write_value(const char *fresh, int file, const char *path,
-                            GVariant *value) {
+                            GVariant *value, GVariant *files,
+                            const char *from) {
   gsize n = g_variant_get_size(value);
-  const guchar *data = g_variant_get_data(value);
-  g_autofree char *sum =
-      g_compute_checksum_for_data(G_CHECKSUM_SHA256, data, n);
-  g_autofree char *folder = g_path_get_dirname(path);
+  g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
+  g_autofree char *head = g_strdup_printf("%s%*s", mark, SUM, ""),
+                  *size = g_strdup_printf("%0*" G_GINT64_MODIFIER "x", SIZE,
+                                          (guint64)n),
+                  *folder = g_path_get_dirname(path);
   (void)flock(file, LOCK_EX | LOCK_NB);
-  return write_all(file, mark, MARK) && write_all(file, sum, SUM) &&
-         write_all(file, data, n) && !g_mkdir_with_parents(folder, 0700) &&
-         !rename(fresh, path);
+  return write_all(file, head, MARK + SUM) &&
+         write_part(file, sum, size, SIZE) &&
+         write_part(file, sum, g_variant_get_data(value), n) &&
+         (!files || write_files(file, sum, files, from)) &&
+         lseek(file, MARK, SEEK_SET) >= 0 &&
+         write_all(file, g_checksum_get_string(sum), SUM) &&
+         !g_mkdir_with_parents(folder, 0700) && !rename(fresh, path);
 }
 
 static void store_trim(opc_store *store, guint64 most);
 
 guint64 opc_store_most(const opc_store *store) { return store->limit / 4; }
 
-gboolean opc_store_put(opc_store *store, const char *key, GVariant *given) {
+gboolean opc_store_put_files(opc_store *store, const char *key, GVariant *given,
+                             GVariant *files, const char *from) {
   g_autoptr(GVariant) value = g_variant_ref_sink(given);
-  gsize n = g_variant_get_size(value);
+  guint64 n = g_variant_get_size(value) + (files ? opc_files_bytes(files) : 0);
   if (n > opc_store_most(store)) return FALSE;
   g_autofree char *path = path_of(store, key);
   g_autofree char *folder = g_build_filename(store->folder, "new", NULL);
@@ -206,7 +305,8 @@ gboolean opc_store_put(opc_store *store, const char *key, GVariant *given) {
   int file = g_mkdir_with_parents(folder, 0700)
                  ? -1
                  : g_mkstemp_full(fresh, O_WRONLY | O_CLOEXEC, 0600);
-  gboolean good = file >= 0 && write_value(fresh, file, path, value);
+  gboolean good =
+      file >= 0 && write_value(fresh, file, path, value, files, from);
   /* The file may be missing, because another process has cleared the store. */
   if (!good && errno != ENOENT && !store->reported) {
     store->reported = TRUE;
@@ -217,6 +317,10 @@ gboolean opc_store_put(opc_store *store, const char *key, GVariant *given) {
   store->written += good ? n : 0;
   if (store->written > store->limit / 10) store_trim(store, store->limit);
   return good;
+}
+
+gboolean opc_store_put(opc_store *store, const char *key, GVariant *value) {
+  return opc_store_put_files(store, key, value, NULL, NULL);
 }
 
 void opc_store_drop(const opc_store *store, const char *key) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The store: values are returned unchanged, damage of any byte is detected,
-   recently used values stay, claims exclude other processes, and checksums of
-   files are correct. */
+/* The store: values and files are returned unchanged, damage of any byte is
+   detected, recently used values stay, claims exclude other processes, and
+   checksums of files are correct. */
 #include <store/store.h>
 
 #include <fcntl.h>
@@ -10,11 +10,13 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <store/files.h>
+#include <store/pack.h>
 
 static char *folder;
 
@@ -175,6 +177,131 @@ static void test_foreign(void) {
   g_setenv("OPCFLOW_STORE", folder, TRUE);
 }
 
+/* ---- files ---- */
+
+/* Write a file of n bytes with period 251 in the folder "files". */
+static void file_fill(const char *name, gsize n) {
+  g_autofree char *path = g_build_filename(folder, "files", name, NULL),
+                  *parent = g_path_get_dirname(path), *text = g_malloc(n + 1);
+  for (gsize i = 0; i < n; i++) text[i] = (char)(i % 251);
+  g_assert_cmpint(g_mkdir_with_parents(parent, 0700), ==, 0);
+  g_assert_true(g_file_set_contents(path, text, (gssize)n, NULL));
+}
+
+static const char *const names[] = {"a", "in/b", "in/c", "d"};
+
+static gboolean put_listed(opc_store *store, GVariant *files) {
+  g_autofree char *from = g_build_filename(folder, "files", NULL);
+  return opc_store_put_files(store, "ab99.x", files, files, from);
+}
+
+static GVariant *list_files(void) {
+  g_autofree char *from = g_build_filename(folder, "files", NULL);
+  return g_variant_ref_sink(opc_files_list(from));
+}
+
+/* Files of all sizes around the buffer are returned unchanged, even if another
+   process removes the entry; a damaged byte of a file is detected. */
+static void test_files(void) {
+  static const gsize sizes[] = {0, 65536, 200001, 1};
+  opc_store *store = open_store();
+  opc_error error;
+  g_autofree char *to = g_build_filename(folder, "to", NULL),
+                  *entry = path_of("ab99.x"), *sound = NULL;
+  gsize n;
+  int contents;
+  for (size_t i = 0; i < G_N_ELEMENTS(names); i++)
+    file_fill(names[i], sizes[i]);
+  g_autoptr(GVariant) files = list_files();
+  g_assert_cmpuint(opc_files_bytes(files), ==, 265538);
+  g_assert_true(put_listed(store, files));
+  g_assert_true(g_file_get_contents(entry, &sound, &n, NULL));
+  g_autoptr(GVariant) kept =
+      opc_store_get_files(store, "ab99.x", OPC_FILES_TYPE, &contents);
+  g_assert_true(g_variant_equal(kept, files));
+  opc_store_drop(store, "ab99.x");
+  if (opc_files_unpack(kept, contents, to, &error))
+    g_error("%s", error.message);
+  close(contents);
+  for (size_t i = 0; i < G_N_ELEMENTS(names); i++) {
+    g_autofree char *one = g_build_filename(folder, "files", names[i], NULL),
+                    *two = g_build_filename(to, names[i], NULL),
+                    *want = opc_file_sha256(one, NULL, &error),
+                    *got = opc_file_sha256(two, NULL, &error);
+    g_assert_cmpstr(got, ==, want);
+  }
+  sound[n - 100000] ^= 1;
+  g_assert_true(g_file_set_contents(entry, sound, (gssize)n, NULL));
+  g_assert_null(
+      opc_store_get_files(store, "ab99.x", OPC_FILES_TYPE, &contents));
+  g_assert_cmpint(contents, ==, -1);
+  opc_store_close(store);
+}
+
+/* A file that changed after it was listed is not stored, without a
+   complaint. */
+static void test_changed_files(void) {
+  opc_store *store = open_store();
+  for (int more = -1; more < 2; more++) {
+    file_fill("d", 70000);
+    g_autoptr(GVariant) files = list_files();
+    file_fill("d", (gsize)(70000 + more));
+    g_assert_cmpint(put_listed(store, files), ==, !more);
+    g_assert_null(opc_store_complaint(store));
+    g_assert_cmpint(opc_store_has(store, "ab99.x"), ==, !more);
+    opc_store_drop(store, "ab99.x");
+  }
+  opc_store_close(store);
+}
+
+/* Return the largest memory of this process so far, bytes. */
+static glong peak(void) {
+  struct rusage used;
+  g_assert_cmpint(getrusage(RUSAGE_SELF, &used), ==, 0);
+  return used.ru_maxrss * 1024;
+}
+
+/* A file is stored, read and written without a copy in memory; too large files
+   are not read. */
+static void test_large_files(void) {
+  enum { LARGE = 1 << 27 };
+  opc_store *store = open_store();
+  opc_error error;
+  int contents;
+  g_autofree char *path = g_build_filename(folder, "files", "d", NULL),
+                  *to = g_build_filename(folder, "to", NULL);
+  glong before = peak();
+  g_assert_cmpint(before, <, LARGE);
+  file_fill("d", 0);
+  g_assert_cmpint(truncate(path, LARGE), ==, 0);
+  g_autoptr(GVariant) files = list_files();
+  g_assert_true(put_listed(store, files));
+  g_autoptr(GVariant) kept =
+      opc_store_get_files(store, "ab99.x", OPC_FILES_TYPE, &contents);
+  g_assert_false(opc_files_unpack(kept, contents, to, &error));
+  close(contents);
+  g_assert_cmpint(peak() - before, <, LARGE / 8);
+  g_assert_true(opc_store_set_limit(store, 4 * (guint64)LARGE, &error));
+  g_assert_false(put_listed(store, files));
+  g_assert_true(opc_store_set_limit(store, OPC_STORE_LIMIT, &error));
+  g_assert_true(opc_store_clear(store, &error));
+  g_assert_cmpint(truncate(path, 1), ==, 0);
+  opc_store_close(store);
+}
+
+/* An entry in the format before the files is removed without a complaint. */
+static void test_older(void) {
+  opc_store *store = open_store();
+  g_autofree char *path = path_of("ab12.x"),
+                  *text = g_strdup_printf("opcflow store 1\n%0100d", 0);
+  g_assert_true(opc_store_put(store, "ab12.x", bytes(1, 1)));
+  g_assert_true(g_file_set_contents(path, text, -1, NULL));
+  g_assert_false(store_has(store, "ab12.x"));
+  g_assert_null(opc_store_complaint(store));
+  g_assert_false(g_file_test(path, G_FILE_TEST_EXISTS));
+  opc_store_close(store);
+}
+
 /* ---- sums ---- */
 
 static void write_at(const char *path, const char *text, time_t when) {
@@ -328,6 +455,10 @@ int main(int argc, char **argv) {
   g_test_add_func("/store/sizes", test_sizes);
   g_test_add_func("/store/remains", test_remains);
   g_test_add_func("/store/foreign", test_foreign);
+  g_test_add_func("/store/files", test_files);
+  g_test_add_func("/store/changed-files", test_changed_files);
+  g_test_add_func("/store/large-files", test_large_files);
+  g_test_add_func("/store/older", test_older);
   g_test_add_func("/store/sums", test_sums);
   g_test_add_func("/store/mapped", test_mapped);
   g_test_add_func("/store/claims", test_claims);

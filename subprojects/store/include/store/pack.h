@@ -1,24 +1,31 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Files packed into one value of the store: an array of names and contents. */
+/* Files of a value of the store: a list of names and sizes is part of the
+   value, and the contents follow the value (store/store.h). */
 #pragma once
 
 #include <glib.h>
 #include <opcflow/base.h>
 
-#define OPC_FILES_TYPE G_VARIANT_TYPE("a(ayay)")
+#define OPC_FILES_TYPE G_VARIANT_TYPE("a(ayt)")
 
-/* Add the file at `path` to a list under `name`; a missing file is skipped.
-   Return FALSE if the file cannot be read. */
+/* Add the file at `path` to a list under `name`, a path relative to a folder; a
+   missing file is skipped. Return FALSE if the path is no regular file. */
 gboolean opc_files_add(GVariantBuilder *files, const char *path,
                        const char *name);
 
-/* Return all files of a folder as one floating value; NULL if a file cannot be
-   read or all files exceed `most` bytes. */
-GVariant *opc_files_pack(const char *folder, guint64 most);
+/* Return a list of all files of a folder (floating reference); NULL if an entry
+   cannot be listed. */
+GVariant *opc_files_list(const char *folder);
 
-/* Write the contents of a packed file to `path`. Return OPC_IO and *error on
-   failure. */
-int opc_file_unpack(const char *path, GVariant *bytes, opc_error *error);
+/* Return the size of all files of a list together, bytes. */
+guint64 opc_files_bytes(GVariant *files);
 
-/* Write all packed files into a folder. Return OPC_IO and *error on failure. */
-int opc_files_unpack(GVariant *files, const char *folder, opc_error *error);
+/* Write the next `size` bytes of the descriptor `contents` to a file at `path`.
+   Return OPC_IO and *error on failure. */
+int opc_file_unpack(const char *path, int contents, guint64 size,
+                    opc_error *error);
+
+/* Write all files of a list into a folder, with the contents from the
+   descriptor `contents`. Return OPC_IO and *error on failure. */
+int opc_files_unpack(GVariant *files, int contents, const char *folder,
+                     opc_error *error);

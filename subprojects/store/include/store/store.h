@@ -47,14 +47,27 @@ GVariant *opc_store_get(opc_store *store, const char *key,
    writable. */
 gboolean opc_store_put(opc_store *store, const char *key, GVariant *value);
 
+/* As opc_store_get. *contents receives a descriptor (close), from which
+   opc_files_unpack reads the files stored with the value; -1 without a
+   value. */
+GVariant *opc_store_get_files(opc_store *store, const char *key,
+                              const GVariantType *type, int *contents);
+
+/* As opc_store_put; the contents of `files` (OPC_FILES_TYPE, store/pack.h) in
+   `folder` follow the value, copied through a small buffer. Return FALSE also
+   if all together are too large, before any file is read, or if a file is
+   missing or has another size. */
+gboolean opc_store_put_files(opc_store *store, const char *key, GVariant *value,
+                             GVariant *files, const char *folder);
+
 /* Return whether a value exists, even if the value is damaged. */
 gboolean opc_store_has(const opc_store *store, const char *key);
 
 /* Remove a value. */
 void opc_store_drop(const opc_store *store, const char *key);
 
-/* Return the largest allowed size of a value in bytes: a quarter of the
-   limit. */
+/* Return the largest allowed size of a value with its files in bytes: a quarter
+   of the limit. */
 guint64 opc_store_most(const opc_store *store);
 
 /* ---- all values ---- */
