@@ -107,19 +107,25 @@ static char *get_text(const char *name) {
 /* Run the command in a child process with the words of `line`, in which '~'
    stands for a space; return the exit code. */
 static int command(const char *line) {
-  g_autofree char *whole = g_strconcat("opcflow ", line, NULL);
-  g_auto(GStrv) words = g_strsplit(g_strchomp(whole), " ", -1);
+  char *whole = g_strconcat("opcflow ", line, NULL);
+  static GStrv words; /* static: the child exits without freeing memory */
+  words = g_strsplit(g_strchomp(whole), " ", -1);
+  g_free(whole);
   for (guint i = 0; words[i]; i++) g_strdelimit(words[i], "~", ' ');
   fflush(NULL);
   pid_t child = fork();
   g_assert_cmpint(child, >=, 0);
   if (!child) {
     if (!freopen("out", "w", stdout) || !freopen("err", "w", stderr)) _exit(99);
-    exit(cli_main((int)g_strv_length(words), words));
+    /* The command replaces elements of the array. */
+    guint n = g_strv_length(words);
+    char **copy = g_memdup2(words, (n + 1) * sizeof *words);
+    exit(cli_main((int)n, copy));
   }
   int status;
   g_assert_cmpint(waitpid(child, &status, 0), ==, child);
   g_assert_true(WIFEXITED(status));
+  g_clear_pointer(&words, g_strfreev);
   g_free(out);
   g_free(err);
   out = get_text("out");

@@ -256,10 +256,12 @@ static char *key_of(const char *step) {
       opc_flow_load("flow.yaml", NULL, trial_registry(), problems);
   g_autofree char *faults = opc_problems_text(problems);
   g_assert_cmpstr(faults, ==, "");
+  opc_error error = {0};
+  g_autoptr(opc_store) store = opc_store_open(&error);
   opc_key key = {0};
-  opc_flow_keys(flow, NULL, &key);
+  opc_flow_keys(flow, store, &key);
   char *sum = g_strdup(key.sum);
-  if (sum) g_assert_true(opc_key_is_unchanged(&key, NULL));
+  if (sum) g_assert_true(opc_key_is_unchanged(&key, store));
   opc_key_clear(&key);
   return sum;
 }
