@@ -190,7 +190,9 @@ static int calibrate_run(void *self, void **outputs, opc_error *error) {
   code = model_prepare(&c->model, c->fit.from, c->fit.to, error);
   if (!code) code = model_densities(&c->model, c->density_range, error);
   if (!code) code = calibrate_fit(c, error);
-  return code ? code : calibrate_report(c, error);
+  if (!code) code = calibrate_report(c, error);
+  model_clear(&c->model); /* the masks exist only while the step runs */
+  return code;
 }
 
 /* ---- parameters ---- */
@@ -336,7 +338,6 @@ static int calibrate_check(void *self, opc_error *error) {
 
 static void calibrate_clear(void *self) {
   calibrate *c = self;
-  model_clear(&c->model);
   free(c->gauges);
   free(c->start_cost);
   free(c->residual);
