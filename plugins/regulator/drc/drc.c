@@ -219,6 +219,9 @@ static const opc_parameter parameters[] = {
            "smallest printed width of poly outside of gates"),
     LENGTH(min_mask_width, 10000, "0.155 lambda/NA",
            "smallest width of the mask"),
+    LENGTH(min_edge, 10000, "0.078 lambda/NA",
+           "smallest length of a mask edge at a repair shape, unless both "
+           "adjacent edges are longer"),
 };
 
 /* Compute the defaults of parameters that are not set. */

@@ -118,7 +118,7 @@ typedef struct smoothings {
 typedef struct drc {
   const opc_host *host;
   double overlay, min_extension, want_extension, max_growth, max_head;
-  double min_space, min_width, min_mask_width;
+  double min_space, min_width, min_mask_width, min_edge;
 
   const eda_gates *gates; /* gates to which all members below apply; NULL before
                              the first call */
@@ -224,6 +224,26 @@ void ends_add_heads(drc *r);
    cause. */
 const char *ends_reason(const drc *r, size_t end);
 
+/* ---- segments.c: segments of drawn edges that repair shapes displace ---- */
+
+/* Return the repair shape on a side: a box from min_mask_width inside of the
+   drawn edge to the present displacement. Its ends move with the adjacent
+   corners. */
+eda_box repair_shape(const drc *r, const eda_printed *printed,
+                     const repair *one, int side);
+/* Choose the segment to displace on a side: the entire edge, which adds no jog,
+   or only the part in front of the site if that part may move further. */
+void repair_find_edge(const drc *r, const site *s, repair *one, int side);
+/* Displace only the part of an edge in front of the site, because displacing
+   the entire edge caused bridging. */
+void repair_keep_segment(const drc *r, const site *s, repair *one, int side);
+/* Extend the segment in front of a contact to the corners of the drawn edge
+   within tuned.corner, if the present displacement is permitted there, too. A
+   segment may end before a corner if the contact extends over a concave corner:
+   both edges of the corner are equally near, and the nearest edge that was
+   found is perpendicular to the side. */
+void repair_extend(const drc *r, repair *one, int side);
+
 /* ---- repairs.c: failing sites and repair shapes ---- */
 
 /* Check the sites on a printed image, and create repairs of failing sites. */
@@ -273,8 +293,10 @@ typedef struct mrc_faults {
   size_t n;
 } mrc_faults;
 
-/* Find widths below min_mask_width and spaces below min_space in the merged
-   shapes of the wanted layers, in parallel. */
-void mrc_find(const drc *r, const eda_shapes *shapes, mrc_faults *faults);
+/* Find widths below min_mask_width, spaces below min_space and edges below
+   `min_edge` nm (0: no edges) in the merged shapes of the wanted layers, in
+   parallel. */
+void mrc_find(const drc *r, const eda_shapes *shapes, double min_edge,
+              mrc_faults *faults);
 /* Add the faults of the masks of all layers as violations. */
 void mrc_check(const drc *r, const eda_shapes *shapes, violations *out);

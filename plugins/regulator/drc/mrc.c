@@ -25,6 +25,7 @@ static void faults_report(const drc *r, const eda_rule_fault *fault, size_t n,
 typedef struct check {
   const drc *r;
   const eda_shapes *shapes;
+  double min_edge;
   mrc_faults *faults;
 } check;
 
@@ -32,21 +33,23 @@ static void check_layer(void *data, size_t layer) {
   const check *c = data;
   const drc *r = c->r;
   mrc_faults *f = &c->faults[layer];
-  const double limit[EDA_RULES] = {
-      [EDA_RULE_SPACE] = r->min_space, [EDA_RULE_WIDTH] = r->min_mask_width};
+  const double limit[EDA_RULES] = {[EDA_RULE_SPACE] = r->min_space,
+                                   [EDA_RULE_WIDTH] = r->min_mask_width,
+                                   [EDA_RULE_EDGE] = c->min_edge};
   if (f->wanted)
     f->n = eda_rules_check(&c->shapes[layer], r->grid, limit, &f->fault);
 }
 
-void mrc_find(const drc *r, const eda_shapes *shapes, mrc_faults *faults) {
-  check c = {r, shapes, faults};
+void mrc_find(const drc *r, const eda_shapes *shapes, double min_edge,
+              mrc_faults *faults) {
+  check c = {r, shapes, min_edge, faults};
   opc_parallel(r->host->context, r->layers, check_layer, &c);
 }
 
 void mrc_check(const drc *r, const eda_shapes *shapes, violations *out) {
   mrc_faults *faults = eda_alloc(r->layers, sizeof *faults);
   for (size_t k = 0; k < r->layers; k++) faults[k].wanted = 1;
-  mrc_find(r, shapes, faults);
+  mrc_find(r, shapes, 0, faults);
   for (size_t k = 0; k < r->layers; k++) {
     faults_report(r, faults[k].fault, faults[k].n, out);
     free(faults[k].fault);

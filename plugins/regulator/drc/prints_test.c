@@ -2,6 +2,9 @@
 /* Tests rules of printed images, and repairs, on synthetic images. */
 #include "boxes_test.h"
 
+#include <eda/rules.h>
+#include <stdlib.h>
+
 /* A contact in a pad whose right side prints 4 nm past the contact; 10 nm are
    required. A repair shape displaces the entire side until the printed side
    satisfies the rule. */
@@ -60,6 +63,62 @@ static void test_near_neighbour(void) {
   g_assert_cmpuint(drc_violations(m, &c.p, &v, 1), ==, 1);
   g_assert_cmpstr(v.rule, ==, "enclosure; too near a neighbour");
   chip_end(&c);
+}
+
+/* Set the mask of poly to the drawn shapes and the added shapes, merged. The
+   caller frees the mask. Return the number of edges below 20 nm. */
+static size_t mask_follow(chip *c) {
+  boxes added = {0};
+  eda_rule_fault *fault;
+  opc_error error;
+  for (size_t i = 0; i < c->ruling.added[EDA_POLY].count; i++) {
+    eda_box b = c->ruling.added[EDA_POLY].box[i];
+    add_box(&added, b.x0, b.y0, b.x1, b.y1);
+  }
+  g_assert_cmpint(eda_boolean(EDA_OR, &c->shapes[EDA_POLY], &added.shapes,
+                              &c->mask[EDA_POLY], &error),
+                  ==, OPC_OK);
+  const double limit[EDA_RULES] = {[EDA_RULE_EDGE] = 20};
+  size_t n = eda_rules_check(&c->mask[EDA_POLY], 1, limit, &fault);
+  free(fault);
+  return n;
+}
+
+/* A pad at the right of a line, and a contact that extends over the concave
+   corner into the line. The two edges of the corner are equally near to the
+   contact. For any first point of the polygon, the shapes below and at the
+   right of the contact leave no edge below min_edge on the mask. */
+static void test_concave_corner(void) {
+  static const eda_point drawn[] = {{0, -200}, {65, -200}, {65, 0},   {150, 0},
+                                    {150, 97}, {65, 97},   {65, 400}, {0, 400}};
+  enum { POINTS = G_N_ELEMENTS(drawn) };
+  size_t before = 0;
+  for (size_t first = 0; first < POINTS; first++) {
+    g_autoptr(opc_module) m = drc_make("{ overlay: 10 nm, min_edge: 20 nm }");
+    chip c = {0};
+    boxes *poly = &c.drawn[EDA_POLY];
+    for (size_t i = 0; i < POINTS; i++)
+      poly->points[i] = drawn[(first + i) % POINTS];
+    poly->start[1] = POINTS;
+    poly->shapes = (eda_shapes){1, poly->start, poly->points, NULL};
+    add_box(&c.drawn[CONTACT], 59, 7, 143, 91);
+    add_box(&c.printed[EDA_POLY], 0, -200, 65, 400);
+    add_box(&c.printed[EDA_POLY], 50, 3, 147, 107);
+    chip_show(&c);
+    chip_judge(m, &c);
+    g_assert_cmpuint(c.ruling.added[EDA_POLY].count, ==, 2);
+    c.printed[EDA_POLY].points[4] = (eda_point){50, -5};
+    c.printed[EDA_POLY].points[6].x = 155;
+    chip_show(&c);
+    before += mask_follow(&c);
+    chip_judge(m, &c);
+    eda_shapes_clear(&c.mask[EDA_POLY]);
+    g_test_message("first point %zu", first);
+    g_assert_cmpuint(mask_follow(&c), ==, 0);
+    eda_shapes_clear(&c.mask[EDA_POLY]);
+    chip_end(&c);
+  }
+  g_assert_cmpuint(before, >, 0);
 }
 
 /* The lower and upper edges of an active are the ends of a gate width. The
@@ -226,6 +285,7 @@ static void test_no_print(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/regulator/enclosure", test_enclosure);
+  g_test_add_func("/regulator/concave-corner", test_concave_corner);
   g_test_add_func("/regulator/width", test_width);
   g_test_add_func("/regulator/near_neighbour", test_near_neighbour);
   g_test_add_func("/regulator/contact", test_contact);
