@@ -237,26 +237,44 @@ static void site_clear(drc *r, const eda_printed *p, site *wrong) {
   shapes_reduce(r, p, wrong, near, step, 0);
 }
 
-/* Extend the repair shapes that end at an edge below min_edge to the corners of
-   the drawn edge. `place`: the short edge, extended by one step. */
-static void shapes_extend(drc *r, const eda_printed *p, size_t layer,
-                          eda_box place) {
-  int32_t far = (int32_t)(2 * tuned.reach / r->grid);
-  for (size_t i = 0; i < r->n_repairs; i++) {
-    repair *one = &r->repairs[i];
-    const site *of = &r->sites[one->site];
-    if (of->layer != layer || of->kind != SITE_ENCLOSURE ||
-        !eda_boxes_touch(eda_box_grown(of->box, far), place))
-      continue;
-    for (int k = 0; k < SIDES; k++)
-      if (one->grow[k] && eda_boxes_touch(repair_shape(r, p, one, k), place))
-        repair_extend(r, one, k);
-  }
+/* Extend the repair shapes of a contact that touch `place` to the corners of
+   the drawn edges. */
+static void shapes_extend(const drc *r, const eda_printed *p, repair *one,
+                          size_t layer, eda_box place) {
+  const site *of = &r->sites[one->site];
+  if (of->layer != layer || of->kind != SITE_ENCLOSURE) return;
+  for (int k = 0; k < SIDES; k++)
+    if (one->grow[k] && eda_boxes_touch(repair_shape(r, p, one, k), place))
+      repair_extend(r, one, k);
 }
 
-/* Repair violations of mask rules. At edges below min_edge, extend repair
-   shapes. At other violations, discard smoothings. If two repair shapes are too
-   close to each other, reduce each by half of the missing space. */
+/* Extend the repair shapes that end at edges below min_edge. */
+static void edges_repair(drc *r, const eda_printed *p, size_t layer,
+                         const mrc_faults *found) {
+  places sites;
+  int32_t far = (int32_t)(2 * tuned.reach / r->grid);
+  if (!found->n || !r->n_repairs) return;
+  eda_box *box = eda_alloc(r->n_repairs, sizeof *box);
+  for (size_t i = 0; i < r->n_repairs; i++)
+    box[i] = r->sites[r->repairs[i].site].box;
+  places_init(&sites, box, r->n_repairs, 2 * tuned.reach, r->grid);
+  for (size_t i = 0; i < found->n; i++) {
+    const eda_rule_fault *fault = &found->fault[i];
+    int32_t x = (int32_t)lround(fault->x / r->grid);
+    int32_t y = (int32_t)lround(fault->y / r->grid);
+    int32_t half = (int32_t)ceil(fault->value / 2 / r->grid) + 1;
+    eda_box place = eda_box_grown((eda_box){x, y, x, y}, half);
+    if (fault->rule != EDA_RULE_EDGE) continue;
+    eda_finder f = eda_index_find(sites.index, eda_box_grown(place, far));
+    for (uint32_t k; eda_index_next(&f, &k);)
+      shapes_extend(r, p, &r->repairs[k], layer, place);
+  }
+  places_clear(&sites);
+}
+
+/* Repair widths and spaces of the mask. Discard smoothings at the violations.
+   If two repair shapes are too close to each other, reduce each by half of the
+   missing space. */
 static void mask_repair(drc *r, const eda_printed *p, size_t layer,
                         const mrc_faults *found) {
   int32_t near = (int32_t)ceil(r->min_space / r->grid);
@@ -267,11 +285,7 @@ static void mask_repair(drc *r, const eda_printed *p, size_t layer,
     int32_t y = (int32_t)lround(fault[i].y / r->grid);
     site place = {.box = {x, y, x, y}, .layer = (uint16_t)layer};
     int32_t step = (int32_t)ceil((r->min_space - value) / 2 / r->grid);
-    if (fault[i].rule == EDA_RULE_EDGE) {
-      int32_t half = (int32_t)ceil(value / 2 / r->grid) + 1;
-      shapes_extend(r, p, layer, eda_box_grown(place.box, half));
-      continue;
-    }
+    if (fault[i].rule == EDA_RULE_EDGE) continue;
     if (r->round < tuned.smooth_until)
       smooth_drop(r, layer,
                   eda_box_grown(place.box, (int32_t)ceil(value / r->grid)));
@@ -288,6 +302,7 @@ void repairs_grow(drc *r, const eda_printed *p) {
   mrc_find(r, p->shapes, r->min_edge, faults);
   for (size_t layer = 0; layer < r->layers; layer++) {
     mask_repair(r, p, layer, &faults[layer]);
+    edges_repair(r, p, layer, &faults[layer]);
     free(faults[layer].fault);
   }
   free(faults);
