@@ -489,6 +489,37 @@ static void test_timing(void) {
   g_assert_cmpfloat(metric(runs[0], "paths", "lowest"), >, 0.5);
 }
 
+/* Delays of a mask by classes, whose NAND2 has four transistors of two classes,
+   are those of the table of all transistors in its file (three decimals). */
+static void test_timing_classes(void) {
+  if (!plugin_available("timing.characterize")) return;
+  g_autofree char *base = source_path("flows/timing.yaml"),
+                  *flow = place("classes.yaml"), *out = place("classes"),
+                  *again = place("again"), *path = place("again/paths.csv");
+  g_autofree char *text = g_strdup_printf(
+      "opcflow: 1\nextends: %s\nsteps:\n  gates: ~\n"
+      "  mask: { gates: ~, layout: '${layout}', divide: environments, "
+      "transistors: all.csv }\n"
+      "  circuit: { gates: ~, mask: '${mask}' }\n",
+      base);
+  write_file("classes.yaml", text);
+  g_assert_cmpint(opcflow(NULL, "run", flow, "--output", out, NULL), ==, 0);
+  g_autofree char *set =
+      g_strdup_printf("paths.prints={ all: %s/all.csv }", out);
+  g_assert_cmpint(
+      opcflow(NULL, "run", flow, "--output", again, "--set", set, NULL), ==, 0);
+  opc_error error;
+  eda_table *t = eda_table_read(path, &error);
+  if (!t) g_error("%s", error.message);
+  const double *mean = eda_table_numbers(t, (size_t)eda_table_find(t, "mean"));
+  const double *most =
+      eda_table_numbers(t, (size_t)eda_table_find(t, "highest"));
+  g_assert_cmpfloat(mean[1], >, 0.5);
+  g_assert_cmpfloat_with_epsilon(mean[2], mean[1], 3e-3);
+  g_assert_cmpfloat_with_epsilon(most[2], most[1], 3e-3);
+  eda_table_free(t);
+}
+
 /* A NAND2 with some transistors lengthened. The simulated delays agree with
    static timing, and no path exceeds the limit. ngspice and the device table
    agree with the predicted reduction of leakage. */
@@ -561,6 +592,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/flows/window", test_window);
   g_test_add_func("/flows/characterize", test_characterize);
   g_test_add_func("/flows/timing", test_timing);
+  g_test_add_func("/flows/timing-classes", test_timing_classes);
   g_test_add_func("/flows/timing_compare", test_timing_compare);
   g_test_add_func("/flows/slack", test_slack);
   g_test_add_func("/flows/assists-of-the-model", test_assists_of_the_model);

@@ -340,6 +340,67 @@ static void test_all(void) {
   both_clear(&b);
 }
 
+/* ---- netlist ---- */
+
+/* Return a netlist of the transistors of `uneven`, each cell with nets of its
+   own. */
+static char *netlist_write(void) {
+  GString *text = g_string_new(".subckt TOP VSS VDD\n");
+  for (int i = 0; i < 12; i++)
+    g_string_append_printf(text,
+                           "MA%d A%d B%d C%d 0 nmos w=400n l=65n\n"
+                           "MB%d C%d D%d E%d 0 nmos w=400n l=65n\n",
+                           i, i, i, i, i, i, i, i);
+  g_string_append(text, "MX F G H 0 nmos w=400n l=100n\n.ends\n");
+  char *path = g_build_filename(opc_test_folder(), "in.sp", NULL);
+  g_assert_true(g_file_set_contents(path, text->str, -1, NULL));
+  g_string_free(text, TRUE);
+  return path;
+}
+
+/* Return the netlist with the sizes of `mask` (g_free), of the circuit matched
+   with the gates of `of`. */
+static char *annotated(const both *b, const char *input, const void *of,
+                       const eda_mask *mask) {
+  opc_error error = {0};
+  g_autofree char *in = netlist_write(), *out = NULL,
+                  *map = g_strdup_printf("{ file: '%s' }", in);
+  opc_module *match = opc_test_module("netlist.match", map, &error);
+  opc_module *write = opc_test_module("netlist.annotate", "{}", &error);
+  if (!match || !write) g_error("%s", error.message);
+  opc_test_input(match, "layout", b->d.layout);
+  opc_test_input(match, input, (void *)of);
+  void *circuit = run_step(match), *none[1];
+  opc_test_input(write, "circuit", circuit);
+  opc_test_input(write, "mask", (void *)mask);
+  if (opc_test_run(write, none, &error)) g_error("%s", error.message);
+  g_autofree char *path =
+      g_build_filename(opc_test_folder(), "netlist.sp", NULL);
+  g_assert_true(g_file_get_contents(path, &out, NULL, NULL));
+  opc_test_module_free(write);
+  release_sample(match, circuit);
+  return g_steal_pointer(&out);
+}
+
+/* The netlist of a mask by classes has the bytes of the netlist of a flat mask
+   with the sizes of the classes. */
+static void test_netlist(void) {
+  both b = both_of(uneven());
+  const eda_performance *of = &b.classes->after;
+  eda_performance *to = &b.flat->after;
+  for (size_t i = 0; i < b.gates->count; i++) {
+    size_t k = class_of(&b, i);
+    to->leq_ion[i] = of->leq_ion[k];
+    to->weq[i] = of->weq[k];
+    to->area[i] = of->area[k];
+    b.flat->flags[i] = b.classes->flags[k];
+  }
+  g_autofree char *want = annotated(&b, "gates", b.gates, b.flat),
+                  *got = annotated(&b, "mask", b.classes, b.classes);
+  g_assert_cmpstr(got, ==, want);
+  both_clear(&b);
+}
+
 /* ---- files ---- */
 
 /* The cost of the cells of a layout whose cells are apart is that of the flat
@@ -445,6 +506,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/parts/window", test_window);
   g_test_add_func("/parts/image", test_image);
   g_test_add_func("/parts/all", test_all);
+  g_test_add_func("/parts/netlist", test_netlist);
   g_test_add_func("/parts/cost", test_cost);
   g_test_add_func("/parts/klayout", test_klayout);
   g_test_add_func("/parts/restore", test_restore);
