@@ -61,7 +61,8 @@ static const struct {
      "extract: a gate of twice the width has 1 times the Ion, expected about "
      "2"},
     {"bad.extractor_scratch",
-     "extract returns different bits while other threads call the function, "
+     "extract fails or returns different bits while other threads call the "
+     "function, "
      "although declared [any]"},
     {"bad.synthesizer_restless", "update is not done after 500 iterations"},
     {"bad.regulator_place",
@@ -305,8 +306,8 @@ static struct {
      "note: checked: exports, loading, check, creating and freeing; not "
      "checked: run: stopped after 10 s, see --with\n",
      0, NULL},
-    {"bad.hang", "does not end within 15 s: loading\n", "", 1, NULL},
-    {"bad.synthesizer_loop", "does not end within 15 s: work\n", "", 1, NULL},
+    {"bad.hang", "no sign of life for 15 s: loading\n", "", 1, NULL},
+    {"bad.synthesizer_loop", "no sign of life for 15 s: work\n", "", 1, NULL},
 };
 
 static void start_endless(void) {

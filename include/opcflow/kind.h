@@ -79,9 +79,9 @@ typedef struct opc_kind {
   const opc_template *templates;
 
   /* `opcflow lint` passes the sample files one after another to a plugin with a
-     required file parameter, until the plugin accepts one. The lint of a step
-     passes `examples` of all kinds as inputs. The samples for steps are those
-     of the plugin "kind.step". */
+     required file parameter, until the plugin accepts one. As inputs of a step,
+     lint passes the `examples` of the plugin "kind.step", which also has the
+     samples for steps. */
   size_t n_samples, sample_size;
   const opc_sample *samples;
   size_t n_examples, example_size;
@@ -89,10 +89,7 @@ typedef struct opc_kind {
   OPC_MAY_GROW
 } opc_kind;
 
-/* Define the plugin "kind.NAME" at the end of a kind's source file. The file
-   defines `static const opc_function required[]`, a function `exercise` and the
-   embedded `templates`. `type` is the struct of functions of the kind; further
-   fields (OPC_SAMPLES) are passed as designated initialisers. */
+/* Initialise the fields of an opc_kind for an array. */
 #define OPC_REQUIRED_FUNCTIONS(array)                \
   .n_functions = sizeof(array) / sizeof((array)[0]), \
   .function_size = sizeof(opc_function), .functions = (array)
@@ -105,6 +102,12 @@ typedef struct opc_kind {
 #define OPC_EXAMPLES(array)                         \
   .n_examples = sizeof(array) / sizeof((array)[0]), \
   .example_size = sizeof(opc_example), .examples = (array)
+
+/* Define the plugin "kind.NAME" at the end of a kind's source file. The file
+   defines `static const opc_function required[]`, a function `exercise` and the
+   embedded `templates`. `type`: struct of functions of the kind. `text`:
+   summary of the plugin. Further fields of opc_kind (OPC_SAMPLES) are passed as
+   designated initialisers. */
 #define OPC_KIND(kind_name, type, text, ...)                                 \
   static const opc_kind functions = {.functions_size = sizeof(type),         \
                                      OPC_REQUIRED_FUNCTIONS(required),       \

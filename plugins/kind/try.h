@@ -13,14 +13,14 @@ extern const eda_frame try_frame;
 /* A second frame, with another size and origin. */
 extern const eda_frame try_other_frame;
 
-/* Return whether a call of the plugin, `what`, succeeded; otherwise report the
-   error code or the message to `in`. */
+/* Return whether a call of the plugin, `what`, succeeded; otherwise report an
+   unknown code or a missing message as a fault, any other message as a note. */
 int try_went_well(opc_inspector *in, const char *what, int code,
                   opc_error *error);
 
-/* Instance of a module that forwards all calls to `plugin` and stores the code
-   that the plugin returns in *code. The module is passed to functions of the
-   library that check results (eda_call_...). */
+/* Instance of a module that forwards calls to `plugin` and stores the code that
+   the plugin returns in *code. The module is passed to functions of the library
+   that check results (eda_call_...). */
 typedef struct try_shim {
   const opc_module *plugin;
   int *code;
@@ -34,14 +34,15 @@ int try_call(opc_inspector *in, const char *what, int own, int code,
              opc_error *error);
 
 /* Return whether a check of the library returned no error; otherwise report the
-   message as a fault. */
+   message as a fault (a note if lint's time limit has expired). */
 int try_is_sound(opc_inspector *in, const char *what, int code,
                  const opc_error *error);
 
 /* Compute the spectrum of a drawn layer of the sample up to the frequency
-   `band`, 1/nm. Layers that the sample lacks have the shapes of poly. TRY_EMPTY
-   is a mask without shapes, TRY_FULL a mask with one shape that covers the
-   frame. On failure, report a fault and return 0. */
+   `band`, 1/nm; free with eda_spectrum_clear. Layers that the sample lacks have
+   the shapes of poly. TRY_EMPTY is a mask without shapes, TRY_FULL a mask with
+   one shape that covers the frame. On failure, report a fault (a note if lint's
+   time limit has expired) and return 0. */
 enum { TRY_EMPTY = -1, TRY_FULL = -2 };
 int try_mask(opc_inspector *in, int layer, const eda_frame *frame, double band,
              eda_spectrum *mask);
@@ -69,7 +70,8 @@ void try_performance(const eda_gates *gates, eda_performance *out);
    later calls return 1. */
 int try_at_once(size_t n, int (*task)(void *data, size_t i), void *data);
 
-/* Check a field returned by `function`, named `what`, against the frame. Adds
-   the bytes of a valid field to `in`; reports a fault otherwise. */
+/* Check the field `what` (its name in messages) returned by `function` against
+   the frame. Add the bytes of a valid field to the results of `in`; otherwise
+   report a fault (a note if lint's time limit has expired). */
 void try_field(opc_inspector *in, const char *function, const char *what,
                const eda_field *field, const eda_frame *frame);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the file of all transistors of a mask, which is written strip by
-   strip, so that memory does not grow with their number. */
+/* Implements the CSV file of all transistors of a mask. The file is written
+   strip by strip, so that memory does not grow with the number of
+   transistors. */
 #include <correct/report.h>
 
 #include <errno.h>
@@ -29,7 +30,7 @@ static void put_text(FILE *f, const char *text) {
   if (quoted) (void)fputc('"', f);
 }
 
-/* Write a number; nothing for NAN. */
+/* Write a comma and a number; only the comma for NAN. */
 static void put_number(FILE *f, double number, int decimals) {
   if (isnan(number))
     (void)fputc(',', f);

@@ -9,6 +9,6 @@
 typedef struct timing {
   /* Return the time, in s, in which a transistor with the on current `ion` (A)
      charges the gate of an equal transistor, of area `area` (nm^2). The time
-     decreases with the current. [any] */
+     must not increase with the current. [any]: see plugin.h. */
   double (*delay)(const void *self, double ion, double area);
 } timing;

@@ -154,8 +154,8 @@ static void test_remains(void) {
   opc_store_close(store);
 }
 
-/* A folder with other files, or a linked folder, is not accepted as a store:
-   all files stay. */
+/* A folder with other files, or with a linked subfolder, is not accepted as a
+   store; all files stay. */
 static void test_foreign(void) {
   g_autofree char *other = g_build_filename(folder, "other", NULL);
   g_autofree char *fresh = g_build_filename(other, "new", NULL);
@@ -333,7 +333,7 @@ static void test_sums(void) {
   }
   g_assert_null(opc_store_sum(store, "/nowhere/at/all", NULL, &error));
   opc_store_close(store);
-  /* Recently changed files are not cached. */
+  /* Checksums of recently changed files are not cached. */
   store = open_store();
   g_assert_false(store_has(store, "00sums-flushed"));
   opc_store_close(store);
@@ -348,7 +348,7 @@ static void change_mapped(opc_store *store, const char *path, char *bytes) {
   g_assert_false(opc_store_same(store, path, before));
   g_autofree char *now = opc_store_sum(store, path, NULL, &error);
   g_assert_cmpstr(now, !=, before);
-  /* The file may have changed and changed back. */
+  /* After a change of attributes, the content may have changed twice. */
   g_assert_cmpint(g_chmod(path, 0400), ==, 0);
   g_assert_false(opc_store_same(store, path, now));
 }

@@ -18,8 +18,8 @@
 
 /* ---- one check ---- */
 
-/* Store a line of a report, once. A digest replaces *digest if the new digest
-   differs from `first`. */
+/* Store a line of a report (letters: lint.h); faults and notes once each. Keep
+   the first digest, but replace it by one that differs from `first`. */
 static void take_line(opc_lint *lint, const char *line, const char *first,
                       char **digest) {
   if (*line == 'S') lint->sample = strtoul(line + 1, NULL, 10);
@@ -44,8 +44,8 @@ static void do_in_child(int out, void *data) {
   opc_check_do(j->lint, j->check, out);
 }
 
-/* Return FALSE if the process of the check crashed, ended early or exceeded the
-   time. */
+/* Run check i in a child process; see take_line. Return FALSE if the process
+   crashed, ended early or showed no sign of life for the limit. */
 static gboolean run_check(opc_lint *lint, size_t i, const char *first,
                           char **digest) {
   const char *name = opc_checks[i].name;
@@ -62,7 +62,7 @@ static gboolean run_check(opc_lint *lint, size_t i, const char *first,
   char *crash = NULL;
   if (end == CHILD_LATE)
     crash =
-        g_strdup_printf("does not end within %g s: %s", lint->seconds, name);
+        g_strdup_printf("no sign of life for %g s: %s", lint->seconds, name);
   else if (end > 0)
     crash = g_strdup_printf("crashes (%s): %s", g_strsignal(end), name);
   else if (!ended && !blamed)
@@ -74,7 +74,7 @@ static gboolean run_check(opc_lint *lint, size_t i, const char *first,
 /* ---- exports ---- */
 
 /* Check the exported symbols with `nm`, which does not execute the object.
-   Files that a loader reads export no symbols.
+   Plugins that are not shared objects, such as Python files, are not checked.
    g_spawn_sync leaves no thread running, so that this process can fork later.
    Return FALSE if the file is not a shared object. */
 static gboolean check_exports(opc_lint *lint) {
@@ -132,7 +132,8 @@ static int start_cleaner(opc_lint *lint) {
   return lint->cleaner > 0;
 }
 
-/* Initialise a lint. `folder` is NULL if no folder can be created. */
+/* Initialise a lint. `folder` is NULL if it or its cleaner cannot be created.
+ */
 static opc_lint lint_begin(const char *path, opc_registry *registry,
                            const char *parameters, double seconds) {
   g_autofree char *base = g_path_get_basename(path);
@@ -176,7 +177,8 @@ static void lint_run(opc_lint *lint) {
     if (!survived || (i == 0 && lint->findings->len > findings &&
                       strstr(lint->findings->pdata[findings], "cannot use"))) {
       give_up(lint, i + 1,
-              "the plugin ended the process earlier or cannot be used");
+              "an earlier check failed to complete, or the plugin cannot be "
+              "used");
       return;
     }
     if (check->differs && digest && g_strcmp0(first, digest))
@@ -204,9 +206,9 @@ static void lint_end(opc_lint *lint) {
 /* Value of opc_lint.seconds. */
 static const double patience = 15;
 
-/* Restart the command with guard pages around the arrays of plugins, and
-   without malloc's per-thread cache. Free memory in that cache counts as used
-   and would be reported as a leak. */
+/* Unless GLIBC_TUNABLES is set, restart the command with guard pages around the
+   arrays of plugins, and without malloc's per-thread cache. Free memory in that
+   cache counts as used and would be reported as a leak. */
 static void restart_without_cache(void) {
   if (g_getenv("GLIBC_TUNABLES")) return;
   g_setenv("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0", TRUE);

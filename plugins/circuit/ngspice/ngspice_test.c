@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tests circuits with closed-form solutions, and compares with hand-written
-   decks run by plain ngspice. */
+/* Tests circuit.ngspice against closed-form solutions and hand-written decks
+   run by plain ngspice. */
 #include "circuit_test.h"
 
 /* ---- closed forms ---- */
@@ -39,7 +39,7 @@ static void test_closed_form(void) {
               1e12 * (discharge(c, kp, v, 0.25, 0.3 * v) -
                       discharge(c, kp, v, 0.25, 0.8 * v)),
               1e-3);
-  /* All times scale with 1 / K. */
+  /* All times are proportional to L (k = KP W / L). */
   for (int i = 0; i < 2; i++) {
     m->leq[0][i] = 110;
     m->leq[1][i] = i ? 98 : 101;
@@ -54,8 +54,8 @@ static void test_closed_form(void) {
                     <, 0.02);
 }
 
-/* Same test with a compiled model. If ngspice has no OSDI support, test the
-   error message. */
+/* Test the delays of test_closed_form with a compiled model (OSDI). If ngspice
+   has no OSDI support, test the error message. */
 static void test_osdi(void) {
   if (!have_ngspice()) return;
   opc_error error;
@@ -87,7 +87,7 @@ static void test_osdi(void) {
               1e12 * discharge(c, 1.8e-4, v, 0.25, v / 2), 1e-3);
 }
 
-/* Test that an inverter with a large load takes about C V / 2 Ion. */
+/* The delay of an inverter with a large load is about C V / (2 Ion). */
 static void test_estimate(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
@@ -151,13 +151,13 @@ static void compare_four(const char *hand, const char *state) {
   }
 }
 
+/* Not a parameter of nand_by_hand: compilers check literal formats only. */
 static const char hand_nand[] =
     ".subckt cell a b y vdd vss\n"
     "m1 vss a x vss nmos w=0.4u l=%gn\nm2 y b x vss nmos w=0.4u l=65n\n"
     "m3 y a vdd vdd pmos w=0.45u l=65n\nm4 y b vdd vdd pmos w=%gn l=65n\n"
     ".ends\n";
 
-/* A literal format, so that compilers can check the arguments. */
 static char *nand_by_hand(const char *card, double length, double width) {
   g_autoptr(GString) cell = g_string_new(NULL);
   g_string_append_printf(cell, hand_nand, length, width);
@@ -182,7 +182,7 @@ static void test_delays(void) {
   compare_four(drawn, "drawn");
   compare_four(drawn, "before");
   compare_four(after, "after");
-  /* Equation 3.8. */
+  /* Thesis, equation 3.8: largest |deviation| of a delay. */
   double worst = 0;
   for (int i = 0; i < 4; i++) {
     g_autofree char *name = g_strdup_printf("d%d", i);
@@ -205,7 +205,8 @@ static void test_nangate(void) {
   if (hand) compare_four(hand, "drawn");
 }
 
-/* Only the capacitance of the printed area changes the delay. */
+/* A larger printed area with the same L and W changes the delay only by its
+   capacitance, if `dlc` is on. */
 static void test_capacitance(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
@@ -220,8 +221,8 @@ static void test_capacitance(void) {
   g_assert_cmpfloat(opc_test_metric("tp_worst"), <, 1e-6);
 }
 
-/* A card with another DLC has the same overlap capacitance, although the model
-   derives this capacitance from DLC if the card does not contain it. */
+/* A card with another DLC has the same overlap capacitance, although ngspice
+   would derive it from DLC for a card without CGSO and CGDO. */
 static void test_overlap(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
@@ -237,8 +238,8 @@ static void test_overlap(void) {
 
 /* ---- sizes ---- */
 
-/* Transistors that print 64 nm long and 10 % narrower, with the current of 64
-   nm and the drawn width, equal transistors with L = 64 nm and drawn W. */
+/* With `sizes: length`, the printed L (60 nm) and W are ignored: the current of
+   L = 64 nm at drawn W produces the results of L = 64 nm. */
 static void test_length(void) {
   if (!have_ngspice()) return;
   opc_error error;
@@ -350,7 +351,7 @@ static void test_patterns(void) {
   g_assert_cmpstr(opc_test_log(), ==, "");
   circuit_run(m, 0, card, "most: 5, measure: delays");
   g_assert_nonnull(strstr(opc_test_log(), "5 random transitions"));
-  /* There are too many transitions to list, so they are sampled one by one. */
+  /* The 4 patterns exceed `most`, so the transitions are drawn one by one. */
   circuit_run(m, 0, card, "most: 3");
   g_assert_cmpuint(opc_test_rows("leakage"), ==, 6);
   /* The other port is now an output and never changes. */
@@ -386,7 +387,7 @@ static void test_floating(void) {
   g_assert_cmpfloat(opc_test_metric("transitions"), ==, 2);
 }
 
-/* ---- errors ---- */
+/* ---- libraries and errors ---- */
 
 /* A library that contains the card in subcircuits, with sizes in um and two
    bins, has the same results as the card. */
@@ -482,7 +483,7 @@ static void test_refused(void) {
                  "'WL' is not a storage node of 'made'");
 }
 
-/* A mask that does not print before correction is not an error. */
+/* A transistor without printed size before correction is no error. */
 static void test_before(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");

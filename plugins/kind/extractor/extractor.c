@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kind "extractor": required functions, tests of a plugin, and the template of
-   a new one. */
+/* Kind "extractor": required functions, tests of a plugin, and the templates of
+   a new plugin. */
 #include <eda/extractor.h>
 #include <math.h>
 #include <stdlib.h>
@@ -21,8 +21,8 @@ static const double width_factor[CASES] = {1, 1, 1, 1, 2};
 
 /* Plausible Ion in A of a transistor some hundred nanometres wide: 50 nA/um to
    50 mA/um. Real transistors have 0.1 to 3 mA/um at full supply and a
-   thousandth of that near the threshold; currents in mA, uA or A/m are outside
-   the range. */
+   thousandth of that near the threshold. At full supply, currents in mA, uA or
+   A/m are outside the range. */
 static const double least_ion = 1e-8, most_ion = 1e-2;
 
 /* Plausible ratio of the currents of two gates, one of which is twice as wide.
@@ -160,8 +160,8 @@ static void try_slices(opc_inspector *in, const opc_module *m, size_t n,
   if (good) try_currents(in, &all);
   if (good && !try_at_once(CASES, same_figures, &all))
     in->find(in,
-             "extract returns different bits while other threads call the "
-             "function, although declared [any]");
+             "extract fails or returns different bits while other threads call "
+             "the function, although declared [any]");
   for (size_t c = 0; c < CASES; c++) free(all.slice[c]);
   if (!good) return;
   const eda_slices none = {.slices = n};
@@ -172,7 +172,7 @@ static void try_slices(opc_inspector *in, const opc_module *m, size_t n,
 }
 
 /* Return the printed length at the relative position `place` across the width.
-   The gate is shorter towards the LOW side, and does not print above 0.95. */
+   The gate is shorter towards place 0, and does not print above 0.95. */
 static double printed_length(const eda_printed_gate *gate, double place) {
   return place > 0.95 ? 0 : gate->design_length * (0.8 + 0.3 * place);
 }
@@ -209,7 +209,8 @@ static void try_range(opc_inspector *in, const opc_module *m) {
     int known = o->range(m->self, type, &low, &high);
     opc_leave(in->context, before);
     if (known && !(low > 0 && low < high && isfinite(high)))
-      in->find(in, "range: %g to %g nm", low, high);
+      in->find(in, "range: %g to %g nm, expected 0 < low < high, finite", low,
+               high);
   }
 }
 

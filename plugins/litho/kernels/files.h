@@ -21,8 +21,9 @@ typedef struct kernel_set {
 /* Read the text `path` (number of kernels, then weights) and the files fh0.bin,
    fh1.bin ... in its folder. A kernel file has a header of 24 bytes: rows and
    columns as big-endian 32-bit integers, and four unused integers. Pairs of
-   big-endian 32-bit floats follow, row by row. Read only the first `most`
-   kernels, or all if `most` is 0. Return OPC_OK or an error. */
+   big-endian 32-bit floats follow, row by row. Read the first `most` kernels,
+   all if `most` is 0. Return OPC_OK, OPC_INVALID if the text has fewer kernels,
+   or OPC_IO. */
 int kernel_set_read(const char *path, size_t most, kernel_set *out,
                     opc_error *error);
 void kernel_set_clear(kernel_set *set);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Starts and ends the Python process. The process ends with its host, because
-   the kernel sends SIGIO when the host's end of a second socket closes. */
+/* Starts and ends the Python process. The process ends with its host: the
+   process requests SIGIO (O_ASYNC), which ends the process when the host's end
+   of a second socket closes. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -18,11 +19,12 @@ extern char **environ;
 
 /* ---- places ---- */
 
-/* Folders of the package, relative to the folder of this shared object: of an
-   installation, and of a build folder. */
+/* Folder of the package relative to the folder of this shared object: when
+   installed, and in a build folder. */
 static const char *const places[] = {"../python", "../subprojects/python"};
 
-/* Return the path of start.py of the package (g_free); NULL and *error. */
+/* Return the path of start.py of the package (g_free); NULL and *error if there
+   is none. */
 static char *package_program(opc_error *error) {
   Dl_info about;
   if (!dladdr(places, &about) || !about.dli_fname) about.dli_fname = "";
@@ -41,8 +43,8 @@ static char *package_program(opc_error *error) {
 
 /* ---- the process ---- */
 
-/* Return the environment of the process: one thread for libraries of linear
-   algebra, fixed hashes, no files beside the plugin. */
+/* Return the environment of the process: unless set by the user, one thread for
+   linear algebra and fixed hashes; no bytecode beside the plugin. */
 static char **worker_environment(void) {
   char **list = g_strdupv(environ);
   static const char *const names[] = {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS",
@@ -53,8 +55,8 @@ static char **worker_environment(void) {
   return g_environ_setenv(list, "PYTHONDONTWRITEBYTECODE", "1", TRUE);
 }
 
-/* Start the process with `talk`, `life` and the log as descriptors 3, 4, 1 and
-   2. Returns an error number of the C library, 0 on success. */
+/* Start the process with `talk` as descriptor 3, `life` as 4, the log as 1 and
+   2. Return an error number of the C library; 0 on success. */
 static int worker_spawn(py_worker *w, const char *const *argv, int talk,
                         int life) {
   posix_spawn_file_actions_t files;
@@ -146,8 +148,8 @@ py_worker *py_worker_start(const char *path, const char *id, const char *python,
   return worker_run(w, package, whole, python, error);
 }
 
-/* Wait at most `seconds` for the end of the process. Returns whether it ended;
- *status as waitpid. */
+/* Wait at most `seconds` for the end of the process. Return whether the process
+   ended; *status as from waitpid. */
 static gboolean worker_wait(py_worker *w, double seconds, int *status) {
   enum { STEP = 2000 }; /* us */
   for (gint64 us = 0;; us += STEP) {

@@ -85,11 +85,12 @@ static int sort_contacts(const drc *r, const eda_shapes *contacts,
   return OPC_OK;
 }
 
-/* Add the sites of a contact. A layer drawn over the entire contact must cover
-   the contact. If the contact is drawn outside of poly, no poly may print at
-   the contact. A contact drawn partly on a layer is not checked on that layer.
-   Layers after active have no enclosure sites, because repair shapes would
-   counteract the synthesizer that displaces their edges. */
+/* Add the sites of a contact. Corrected poly or active drawn over the entire
+   contact must cover the contact in print. If the contact is drawn outside of
+   poly, no poly may print at the contact. A contact drawn partly on a layer is
+   not checked on that layer. Layers after active have no enclosure sites,
+   because the regulator's repair shapes would counteract the synthesizer that
+   displaces the edges of these layers. */
 static void add_contact(drc *r, eda_box box, const uint8_t *how, size_t n,
                         eda_box_list *apart_from_poly, eda_box_list *on_poly) {
   site one = {.box = box,

@@ -12,7 +12,7 @@ enum { DRAWN, MASK, BEFORE, AFTER, GROUPS };
 /* A layer of the file. */
 typedef struct sheet {
   int group;
-  size_t layer; /* layer of the gates */
+  size_t layer; /* index of the layer in eda_gates */
   int holes;    /* 1: holes of a printed contour */
   int empty;    /* 1: no shapes; the layer is then not in the file */
   char number[32], name[64];
@@ -49,16 +49,20 @@ typedef struct contours {
   opc_error error;
 } contours;
 
-/* Add a layer of the file: content, layer of the gates, and 1 for holes. */
+/* Add a layer of the file: content, index of the layer in eda_gates, and 1 for
+   holes. */
 void klayout_add_sheet(klayout *k, int group, size_t layer, int holes);
 
-/* Append the outlines or holes of contours to a layer. Return the code. */
+/* Append the outlines or holes of contours to a layer. Return OPC_OK or an
+   error. */
 int klayout_put_contours(target *t, const contours *c, int holes,
                          opc_error *error);
 
-/* List the layers of a mask by classes, and build the layout: drawn shapes and
-   mask as cells and arrays, and the simulated contours around the worst
-   classes. Returns NULL on failure. (classes.c) */
+/* Functions for masks of a chip (mask->chip), whose gates stand for classes of
+   equal transistors (classes.c). klayout_list_classes: list the layers.
+   klayout_build_classes: build the layout, with drawn shapes and mask as cells
+   and arrays, and with simulated contours around the worst classes; return NULL
+   and *error on failure. */
 void klayout_list_classes(klayout *k);
 eda_layout *klayout_build_classes(klayout *k, opc_error *error);
 
@@ -66,7 +70,8 @@ eda_layout *klayout_build_classes(klayout *k, opc_error *error);
    OPC_OK or an error. */
 int klayout_put_style(const klayout *k, opc_error *error);
 
-/* Write the .lyrdb file with kinds and places of faults. Return the code. */
+/* Write the .lyrdb file with the kinds and places of faults and of the worst
+   transistors. Return OPC_OK or an error. */
 int klayout_put_markers(const klayout *k, opc_error *error);
 
 /* Write a text as a file of the run folder. Return OPC_OK or an error. */

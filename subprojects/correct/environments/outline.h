@@ -6,20 +6,20 @@
 
 /* A placed cell on the grid. `orientation`: number of quarter turns
    counter-clockwise, plus 4 if the cell is first mirrored about x. `at`:
-   position of the cell's lower left corner. */
+   placed position of the lower left corner of the cell's grown box. */
 typedef struct territory {
   eda_box box;
   eda_point at;
-  uint32_t number; /* number of the placement, in order */
+  uint32_t number; /* number of the placement, as in eda_flat */
   uint8_t orientation;
 } territory;
 
-/* Return a layout whose cells have the numbers of the cells of `layout`. Each
-   cell contains at most one box, in layer 0: the bounding box of its shapes on
-   n layers, grown by `beyond` nm. A cell has a box if it draws shapes itself,
-   is not larger than `most` nm and is not below another such cell; `top` has
-   none. Returns NULL on failure. The caller frees the layout with
-   eda_layout_free(). Callable from any thread. */
+/* Return a layout whose cells have the numbers of the cells of `layout`. A cell
+   other than `top` that draws on the n layers and is at most `most` nm wide and
+   high has a box in layer 0 instead of its instances. The box is the bounding
+   box of the cell and its subcells on these layers, grown by `beyond` nm. All
+   other cells keep their instances. Return NULL and *error on failure. The
+   caller frees the layout with eda_layout_free(). Callable from any thread. */
 eda_layout *outline_new(const eda_layout *layout, int32_t top,
                         const int32_t *layers, size_t n, double most,
                         double beyond, opc_error *error);
@@ -31,5 +31,6 @@ int outline_find(const eda_layout *outline, int32_t top, double grid,
                  const eda_box *window, territory **out, size_t *count,
                  opc_error *error);
 
-/* Return a box of the mask in the coordinates of the territory's cell. */
+/* Convert a box of the mask to unrotated coordinates of the cell, relative to
+   `at`. */
 eda_box territory_own(const territory *t, eda_box b);

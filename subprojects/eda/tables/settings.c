@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Settings of parameters (data kind) with a figure of merit for each
-   combination. */
+/* Implements the data kind "settings": a figure of merit for each combination
+   of parameter values. */
 #include <eda/settings.h>
 #include <glib.h>
 
@@ -65,6 +65,7 @@ int eda_settings_check(const void *object, opc_error *error) {
   if (s->figure && s->name && s->count == count && s->best < count)
     return OPC_OK;
   return opc_fail(error, OPC_FAILED, NULL,
-                  "%zu values for %zu settings, of which number %zu is best",
+                  "figure or its name missing, or %zu values for %zu "
+                  "combinations, best: number %zu",
                   s->count, count, s->best + 1);
 }

@@ -9,7 +9,8 @@
 
 struct loop;
 
-/* Parameters and scatter bars of a loop; lengths in nm. */
+/* Parameters and scatter bars of a correction (struct loop, correct/loop.h);
+   lengths in nm. */
 typedef struct gate_srafs {
   int64_t rows; /* number of rows; 0: no scatter bars */
   double width, distance, space;
@@ -34,9 +35,9 @@ OPC_EXPORT void correct_assists_clear(struct loop *loop);
    plugin, extends beyond the simulation frame. */
 OPC_EXPORT int correct_assists_check(const struct loop *loop, opc_error *error);
 
-/* Remove permanently the scatter bars of correct_assists_begin that nearly
-   print: in the last simulation, their intensity is within `margin` of the
-   printing threshold. */
+/* Remove permanently the scatter bars of correct_assists_begin that print or
+   nearly print in the last simulation: the intensity is less than `margin` from
+   the printing threshold, or beyond the threshold. */
 OPC_EXPORT void correct_assists_watch(struct loop *loop);
 
 /* Publish the metrics "assists" and "assists_dropped". */
@@ -67,5 +68,6 @@ OPC_EXPORT int correct_assists_report(const struct loop *loop,
           "assist_margin", state, assists.margin, .type = OPC_REAL,            \
           .flags = OPC_AT_LEAST, .preset = "0.02", .min = 0,                   \
           .summary =                                                           \
-              "Smallest intensity margin to printing, clear "                  \
-              "field 1; scatter bars with a smaller margin are removed")
+              "Smallest distance of the intensity from the printing "          \
+              "threshold, relative to the clear field; scatter bars "          \
+              "below it are removed")

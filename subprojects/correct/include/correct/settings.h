@@ -8,7 +8,8 @@
 #include <eda/rules.h>
 #include <opcflow/step.h>
 
-/* AUTO: on, unless the synthesizer dissects edges (`cut`). The displacements of
+/* The guard (guard.h) reverts transistors that the correction made worse. AUTO:
+   on, unless the synthesizer dissects edges (`cut`). The displacements of
    fragments around a transistor depend on each other; reverting only some of
    them makes the transistor and its neighbours worse. */
 enum { CORRECT_GUARD_AUTO, CORRECT_GUARD_ON, CORRECT_GUARD_OFF };
@@ -39,23 +40,26 @@ OPC_EXPORT int correct_settings_check(correct_settings *with,
 
 /* Estimate memory and work of simulating all corrected layers in parallel.
    `prints`: text for the number of simulations, such as "at most 101 prints";
-   `fine_prints` replaces `prints` if the model has accurate simulations. */
+   `fine_prints` replaces `prints` if `fine` > 0 and the model has accurate
+   simulations. */
 OPC_EXPORT void correct_forecast(const correct_settings *with,
                                  const opc_host *host, const eda_gates *gates,
                                  const char *prints, const char *fine_prints,
                                  opc_forecast *out);
 
-/* Simulate and measure the shapes of a mask, with the accurate model if one
-   exists. Set print, after, flags and the numbers of simulations of the mask.
-   If mask->design (performance of the drawn transistors) is not set, compute
-   the design. If it is set, the caller must have prepared the extractor.
+/* Simulate and measure the shapes of a mask, with accurate simulations if
+   `fine` > 0 and the model has them. Set print, after, flags and the numbers of
+   simulations of the mask. If mask->design (performance of the drawn
+   transistors) is not set, compute the design. If it is set, the caller must
+   have prepared the extractor.
 
-   `sized`: 1: the resist may be calibrated with these transistors; 0: the gates
-   are a part of a larger layout. If `flags_before` is not NULL, the drawn
-   layers are simulated first: *flags_before receives their EDA_PRINT_*, and the
-   mask's fields drawn_print and before are set. *extension, [2 * gates],
-   receives the printed line-end extensions, nm. The caller frees both arrays
-   with free(). Call on the main thread. */
+   `sized`: 1: pass the gates to the resist, which may derive defaults from
+   them; 0: do not, because the gates are a part of a larger layout. If
+   `flags_before` is not NULL, the drawn layers are simulated first:
+   *flags_before receives their EDA_PRINT_*, and the mask's fields drawn_print
+   and before are set. *extension, [2 * gates], receives the printed line-end
+   extensions, nm. The caller frees both arrays with free(). Call on the main
+   thread. */
 OPC_EXPORT int correct_print(const correct_settings *with, const opc_host *host,
                              int sized, eda_mask *mask, uint32_t **flags_before,
                              double **extension, opc_error *error);
@@ -120,14 +124,15 @@ OPC_EXPORT int correct_save_mask(void *self, void *const *outputs,
                           "Displacement of the image of active against poly " \
                           "along x and y")
 
-#define CORRECT_GUARD(state)                                                \
-  OPC_PARAMETER_NAMED(                                                      \
-      "guard", state, with.guard, .type = OPC_CHOICE, .preset = "auto",     \
-      .choices = "auto|on|off",                                             \
-      .summary =                                                            \
-          "Revert transistors worse than in the drawn mask; off: keep the " \
-          "synthesizer's result; auto: off for synthesizers of edge "       \
-          "fragments, otherwise on")
+#define CORRECT_GUARD(state)                                              \
+  OPC_PARAMETER_NAMED(                                                    \
+      "guard", state, with.guard, .type = OPC_CHOICE, .preset = "auto",   \
+      .choices = "auto|on|off",                                           \
+      .summary =                                                          \
+          "Revert the correction of transistors that fail or are worse "  \
+          "than drawn and than 'ion_limit'; off: keep the synthesizer's " \
+          "result; auto: off for synthesizers of edge fragments, "        \
+          "otherwise on")
 
 #define CORRECT_ION_LIMIT(state, SUMMARY)                                    \
   OPC_PARAMETER_NAMED("ion_limit", state, with.ion_limit, .type = OPC_REAL,  \
