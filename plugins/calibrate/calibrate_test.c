@@ -300,8 +300,9 @@ static void test_masks(void) {
   g_assert_cmpuint(opc_test_rows("masks"), ==, 4);
   double gauges = 0;
   for (size_t i = 0; i < 4; i++) {
+    const size_t number = 1 + i / 2;
     gauges += opc_test_number("masks", "gauges", i);
-    g_assert_cmpfloat(opc_test_number("masks", "mask", i), ==, 1 + i / 2);
+    g_assert_cmpfloat(opc_test_number("masks", "mask", i), ==, (double)number);
     g_assert_cmpfloat(fabs(opc_test_number("masks", "rms_left_out", i) - 1), <,
                       0.4);
   }
