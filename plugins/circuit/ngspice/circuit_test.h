@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Small test circuits, and functions that run the plugin or plain ngspice on
-   them. */
+/* Small test circuits, and functions that run circuit.ngspice or plain ngspice
+   on the circuits. */
 #pragma once
 
 #include <eda/circuit.h>
@@ -79,7 +79,7 @@ static inline void add_device(made *m, const char *line) {
 }
 
 /* Return a circuit. Ports: "A:i Y:o VDD:s VSS:g". Devices, separated by commas:
-   "MN1 drain gate source bulk n L W". */
+   "MN1 drain gate source bulk n L W", L and W in nm. */
 static inline made *circuit_make(const char *ports, const char *devices) {
   static const char letters[] = {[EDA_PIN_INPUT] = 'i',
                                  [EDA_PIN_OUTPUT] = 'o',
@@ -135,8 +135,9 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(made, made_free)
 
 /* ---- running ---- */
 
-/* Return 1 if ngspice is available. The ngspice library may be missing,
-   although the program that loads the library is always built. */
+/* Return 1 if ngspice is available; otherwise mark the test as skipped and
+   return 0. The ngspice library may be missing, although the program that loads
+   the library is always built. */
 static inline int have_ngspice(void) {
   static int missing = -1;
   static opc_error error;
@@ -200,10 +201,10 @@ static inline void assert_refused(made *m, int with_mask, const char *card,
 
 #define NANGATE_CARDS "models/freepdk45/nom/"
 
-/* Run the step on a cell of the NanGate library with drawn sizes, from layout
-   and CDL, with the FreePDK cards. Returns the netlist of the cell as the
-   subcircuit `cell`, with the card of the p-transistor. Without the data, skips
-   the test and returns NULL. */
+/* Read a NanGate cell from GDS and CDL, then run circuit.ngspice on the cell
+   with the drawn sizes and the FreePDK cards. Return the netlist of the cell as
+   the subcircuit `cell`, with the card of the p-transistor. Without the data or
+   ngspice, mark the test as skipped and return NULL. */
 static inline char *run_nangate(const char *name) {
   g_autofree char *gds = test_data("nangate45/NangateOpenCellLibrary.gds");
   g_autofree char *cdl = test_data("nangate45/NangateOpenCellLibrary.cdl");
@@ -258,7 +259,8 @@ static inline char *by_hand(const char *deck) {
   }
   g_autofree char *path = in_folder("hand.sp", deck);
   char *argv[] = {program, (char *)"-n", (char *)"-b", path, NULL};
-  /* Avoids busy waiting of the two threads. */
+  /* ngspice evaluates transistor models in two OpenMP threads by default. The
+     passive policy avoids busy waiting of these threads. */
   g_auto(GStrv) environment =
       g_environ_setenv(g_get_environ(), "OMP_WAIT_POLICY", "passive", TRUE);
   char *out = NULL;

@@ -79,8 +79,8 @@ static void paint_row(void *data, size_t row) {
   }
 }
 
-/* Draw the image with one sample for each pixel of the window, in any
-   format. */
+/* Draw the image with one sample for each pixel of the window, also in vector
+   files. */
 static void paint_image(const image_run *r) {
   const view *v = &r->view;
   cairo_surface_t *s = cairo_image_surface_create(
@@ -135,7 +135,8 @@ static int dashed_contours(const image_run *r, opc_error *error) {
 /* ---- lenses ---- */
 
 /* Return 1 if a model has a lens below the window. Each model but the first has
-   a lens, which magnifies the position of the model's largest distance. */
+   a lens if its contours are 1e-3 nm or more from those of the first model. The
+   lens magnifies the position of the largest distance. */
 static int has_lens(const image_run *r, size_t k) {
   return k && r->model[k].distance.max >= 1e-3;
 }
@@ -238,7 +239,7 @@ static double lens_texts(const image_run *r, double top) {
     const image_model *m = &r->model[k];
     char line[80];
     if (!has_lens(r, k)) continue;
-    (void)snprintf(line, sizeof line, "%.3g nm apart, %g nm wide",
+    (void)snprintf(line, sizeof line, "contours %.3g nm apart; view %g nm wide",
                    m->distance.max, lens_nm(m));
     eda_text(v->paper, lens_view(r, k, place++).left, floor(text), EDA_LEFT,
              lens_width(v), line);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kind "synthesizer": required functions, tests of a plugin, and the template
-   of a new one. */
+/* Kind "synthesizer". Lists the functions that a synthesizer must have, tests
+   them on sample transistors, and registers the template of a new synthesizer
+   (templates.h). */
 #include <eda/synthesizer.h>
 #include <math.h>
 #include <stdlib.h>

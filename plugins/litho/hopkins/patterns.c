@@ -18,8 +18,8 @@ static const eda_box lines_and_block[] = {
     {18, 70, 22, 118}, {34, 64, 38, 125}, {50, 6, 54, 90}, {46, 104, 60, 124}};
 
 /* Patterns 1 to 4: long rows of long lines with a wide space on both sides.
-   Their spectrum is as sharp as that of a large layout, the worst case for
-   kernels. */
+   The peaks of their spectrum are as narrow as in a large layout, the worst
+   case for kernels. */
 enum { ROW = 480, HIGH = 4, SPACE = 48 };
 static const int pitches[PATTERNS - 1] = {13, 16, 20, 27};
 
@@ -100,9 +100,11 @@ static double complex *spectrum_coefficient(coefficients *c, int u, int v) {
   return &c->at[(v + c->top_y) * c->columns + u + c->top_x];
 }
 
-/* Compute the sum of T(f1, f2) a(f1) a(f2)* over all pairs of frequencies. T is
-   real, so the pair of the opposite frequencies has the conjugate term and need
-   not be computed. */
+/* Compute the sum of T(f1, f2) a(f1) a(f2)* over all pairs of frequencies. Two
+   symmetries reduce the pairs to a quarter, because T is real, T(f1, f2) =
+   T(f2, f1) = T(-f1, -f2), and a(-f) = a(f)*. The pair (-f2, -f1) has the same
+   term at the same frequency f1 - f2. The pair (f2, f1) has the conjugate term
+   at the opposite frequency. */
 static void coefficients_sum_pairs(const kernels *k, const eda_spectrum *mask,
                                    coefficients *out) {
   order o[ORDERS];
@@ -137,8 +139,9 @@ static void row_roots(double complex *root, int n) {
   for (int x = 0; x < n; x++) root[x] = cexp(2 * M_PI * I * x / n);
 }
 
-/* Compute the values of an intensity from its coefficients. `memory` receives
-   intermediate rows. */
+/* Compute the values of an intensity from its coefficients. `memory`: [2 * (nx
+   + ny) + ny * columns], receives intermediate rows; nx and ny are those of
+   *out, `columns` that of *c. */
 static void coefficients_image(coefficients *c, double complex *memory,
                                eda_field *out) {
   double complex *root = memory, *line = root + out->nx + out->ny;

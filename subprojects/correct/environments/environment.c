@@ -15,11 +15,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* BIN: cell size of the spatial index, nm, about a tenth of a search window.
-   The second value is the number of transistors per task. */
+/* CELL: cell size of the spatial index, nm, about a tenth of a search window.
+   AT_ONCE: number of transistors per task. */
 enum { CELL = 500, AT_ONCE = 256 };
 
-/* Bits of an edge's number: three coordinates of BITS each, and the kind. */
+/* Bits of an edge's number: three coordinates of BITS bits each, and the layer,
+   axis and side of the edge. */
 enum {
   BITS = 19,
   FURTHEST = (1 << (BITS - 1)) - 1,
@@ -148,7 +149,8 @@ void environment_add(uint64_t sum[2], uint64_t number) {
   sum[1] += hash_mix(~number, 0xD1B54A32D192ED03u);
 }
 
-/* Edges of a transistor in one of the four mirror images. */
+/* Hash sums and number of the edges around a transistor in one of the four
+   mirror images. */
 typedef struct heap {
   uint64_t sum[2], count;
 } heap;
@@ -256,8 +258,8 @@ int environments_find(const opc_context *context, const eda_gates *window,
   if (radius < 0 || radius > WIDEST)
     return opc_fail(
         error, OPC_INVALID, "radius",
-        "\"'radius' exceeds %.10g nm, the largest value for this mask grid\"",
-        WIDEST * window->grid);
+        "'radius' is %.10g nm, expected 0 to %.10g nm for this mask grid",
+        radius * window->grid, WIDEST * window->grid);
   find_edges(&s);
   int code = eda_try_all(context, (window->count + AT_ONCE - 1) / AT_ONCE,
                          find_some, &s, error);

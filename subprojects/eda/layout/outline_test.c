@@ -8,7 +8,8 @@
 
 enum { SIDE = 60 };
 
-/* Return the winding number of a polygon around (x + 1/2, y + 1/2). */
+/* Return the winding number of a rectilinear polygon around (x + 1/2,
+   y + 1/2). */
 static int winding(const eda_point *p, size_t n, int x, int y) {
   int w = 0;
   for (size_t i = 0; i < n; i++) {
@@ -43,9 +44,11 @@ static void pixels_cover(uint8_t *covered, int x0, int y0, int x1, int y1) {
     for (int x = MIN(x0, x1); x < MAX(x0, x1); x++) covered[y * SIDE + x] = 1;
 }
 
-/* Mark the area covered by a segment of a rectilinear path from a to b and,
-   unless c is NULL, by the outer square of the corner at b. `first` and `last`
-   extend the ends of the path. */
+/* Mark the area covered by the segment from a to b of a rectilinear path.
+   c: point after b, NULL at the end of the path. Before a turn, also mark the
+   outer square of the corner at b; before a reversal, extend the segment by
+   `half`. `first` and `last`: extensions beyond a and b, pixels; `last` applies
+   only at the end of the path. */
 static void cover_segment(uint8_t *covered, eda_point a, eda_point b,
                           const eda_point *c, int half, int first, int last) {
   int dx = (b.x > a.x) - (b.x < a.x), dy = (b.y > a.y) - (b.y < a.y);
@@ -180,8 +183,8 @@ static void test_odd_width(void) {
 static void test_degenerate(void) {
   const eda_point p[] = {{7, 7}, {7, 7}};
   size_t n;
-  g_assert_null(outline(p, 2, 10, 0, 0, 0, &n)); /* a path without length has no
-                                                    outline */
+  /* A path without length has no outline. */
+  g_assert_null(outline(p, 2, 10, 0, 0, 0, &n));
   g_assert_cmpuint(n, ==, 0);
   eda_point *q = outline(p, 2, 10, 2, 0, 0, &n);
   const eda_point dot[] = {{2, 2}, {12, 2}, {12, 12}, {2, 12}};
@@ -191,10 +194,10 @@ static void test_degenerate(void) {
   g_assert_cmpuint(n, ==, 32);
   free(q);
   const eda_point line[] = {{0, 0}, {10, 0}};
-  g_assert_null(outline(line, 2, 0, 0, 0, 0, &n)); /* a path without width has
-                                                      no outline */
-  q = outline(line, 2, 4, 4, -6, -6, &n);          /* the ends shorten the path
-                                                      to nothing */
+  /* A path without width has no outline. */
+  g_assert_null(outline(line, 2, 0, 0, 0, 0, &n));
+  /* Extensions of -6 at both ends shorten a path of length 10 to nothing. */
+  q = outline(line, 2, 4, 4, -6, -6, &n);
   g_assert_cmpuint(n, ==, 0);
   free(q);
   opc_error e;

@@ -15,8 +15,8 @@
 #include <correct/trial.h>
 #include <correct/verification.h>
 
-/* Synthesizers of a loop: MAIN corrects the layers of transistors, EDGES the
-   other layers. */
+/* Synthesizers (plugins that choose the mask displacements) of a loop: MAIN
+   corrects the layers of transistors, EDGES the other layers. */
 enum { MAIN, EDGES, DRIVERS };
 
 /* A synthesizer in the loop. The arrays have an element for each layer, NULL or
@@ -29,8 +29,9 @@ typedef struct driver {
   int done; /* 1: the synthesizer needs no further simulation */
 } driver;
 
-/* State of a correction. The caller sets the fields up to `fine_change`, the
-   drivers' modules and `printer`; all other fields start as 0. */
+/* State of a correction. correct_loop_init sets the fields up to `fine_change`,
+   the module of MAIN and `printer`. The caller may change these fields and the
+   module of EDGES before correct_loop_run; all other fields start as 0. */
 typedef struct loop {
   const opc_host *host;
   const eda_gates *gates;
@@ -49,7 +50,9 @@ typedef struct loop {
   double ion_limit;      /* largest |Ion deviation|, %, for the guard, the
                             verification and synthesizers without a limit */
   const double *rules;   /* [EDA_RULES], mask rules, nm; NULL: unknown */
-  double fine_change;    /* `change` of correct_fine_by_layer */
+  double fine_change;    /* standard deviation of Ion, %, that image errors of
+                            accurate simulations may cause; 0: one image error
+                            for all layers (correct_fine_by_layer) */
   driver drivers[DRIVERS];
   eda_printer printer;
   uint8_t *driver_of;   /* [layers], MAIN or EDGES */
@@ -84,6 +87,11 @@ typedef struct loop {
 OPC_EXPORT void correct_loop_init(loop *loop, const opc_host *host,
                                   const eda_gates *gates,
                                   const correct_settings *with);
+
+/* Correct the mask until all synthesizers are done or after `max_iterations`,
+   and verify the result by accurate simulations unless `fine` of the printer is
+   0. Call once for each correct_loop_init, on the main thread. Return OPC_OK,
+   OPC_CANCELLED or the error of a plugin. */
 OPC_EXPORT int correct_loop_run(loop *loop, opc_error *error);
 
 /* Copy the mask `next` to `now`, then simulate and measure `now`. Do not
@@ -99,7 +107,9 @@ OPC_EXPORT int correct_loop_refine(loop *loop, opc_error *error);
 OPC_EXPORT eda_boxes correct_loop_begun(const loop *l, size_t layer,
                                         int cutouts);
 
-/* Return the last simulation in the form that regulators receive. */
+/* Return the last simulation in the form that regulators (plugins that enforce
+   design rules) receive. The arrays belong to the loop. */
 OPC_EXPORT eda_printed correct_loop_printed(const loop *loop);
 
+/* Free the arrays of a loop after correct_loop_run, also after an error. */
 OPC_EXPORT void correct_loop_clear(loop *loop);
