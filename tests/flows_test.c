@@ -495,7 +495,7 @@ static void test_timing_classes(void) {
   if (!plugin_available("timing.characterize")) return;
   g_autofree char *base = source_path("flows/timing.yaml"),
                   *flow = place("classes.yaml"), *out = place("classes"),
-                  *again = place("again"), *path = place("again/paths.csv");
+                  *again = place("table"), *path = place("table/paths.csv");
   g_autofree char *text = g_strdup_printf(
       "opcflow: 1\nextends: %s\nsteps:\n  gates: ~\n"
       "  mask: { gates: ~, layout: '${layout}', divide: environments, "
