@@ -97,19 +97,24 @@ static int fit_folds(calibrate *c, opc_error *error) {
   return code;
 }
 
+/* Return a model of the masks and gauges of the step, without images. */
+static model model_of(const calibrate *c) {
+  return (model){.host = c->host,
+                 .masks = c->mask,
+                 .n_masks = c->n_masks,
+                 .optics = c->litho,
+                 .margin = c->margin,
+                 .image_error = c->image_error,
+                 .gauges = c->gauges,
+                 .count = c->count};
+}
+
 /* Set c->interpolation: simulate the images at the estimates, and compare the
    widths with those of the interpolated images. */
 static int check_interpolation(calibrate *c, opc_error *error) {
   c->interpolation = NAN;
   if (c->model.nodes == 1) return OPC_OK;
-  model one = {.host = c->host,
-               .masks = c->mask,
-               .n_masks = c->n_masks,
-               .optics = c->litho,
-               .margin = c->margin,
-               .image_error = c->image_error,
-               .gauges = c->gauges,
-               .count = c->count};
+  model one = model_of(c);
   double *width = eda_alloc(c->count, sizeof *width), sum = 0;
   const double *p = c->best.value;
   int code = model_prepare(&one, p, p, error);
@@ -179,14 +184,7 @@ static int calibrate_run(void *self, void **outputs, opc_error *error) {
   c->residual = eda_alloc(c->count, sizeof *c->residual);
   c->left = eda_alloc(c->count, sizeof *c->left);
   c->weight = eda_alloc(c->count, sizeof *c->weight);
-  c->model = (model){.host = c->host,
-                     .masks = c->mask,
-                     .n_masks = c->n_masks,
-                     .optics = c->litho,
-                     .margin = c->margin,
-                     .image_error = c->image_error,
-                     .gauges = c->gauges,
-                     .count = c->count};
+  c->model = model_of(c);
   code = model_prepare(&c->model, c->fit.from, c->fit.to, error);
   if (!code) code = model_densities(&c->model, c->density_range, error);
   if (!code) code = calibrate_fit(c, error);
