@@ -55,11 +55,11 @@ typedef struct eda_litho {
      [any] */
   eda_scanner (*scanner)(const void *self);
 
-  /* Optional. As `image_fine`, with the numerical aperture `na` and the radius
-     of the source `sigma` in place of the values of the parameters; NAN: the
+  /* Optional; NULL if the model does not support other optics. Compute an image
+     as `image_fine` does, with the numerical aperture `na` and the radius of
+     the source `sigma` in place of the parameters. A value NAN stands for the
      value of the parameter. The band of `mask` is at least (1 + sigma) na /
-     wavelength. Does not need `prepare`. NULL: not supported. Since 0.9.
-     [any] */
+     wavelength. The function does not need `prepare`. Since 0.9. [any] */
   int (*image_optics)(const void *self, int layer, const eda_spectrum *mask,
                       double na, double sigma, double defocus, double wanted,
                       eda_field *out, opc_error *error);

@@ -10,13 +10,15 @@ OPC_C_BEGIN
    free with free(). If memory is exhausted, the program aborts. [any] */
 OPC_EXPORT void *eda_alloc(size_t count, size_t size);
 
-/* Return zeroed memory as eda_alloc does; free with eda_free. Memory of at
-   least EDA_SHARED bytes is a file in memory (memfd), which other processes can
-   map instead of receiving copies; with more than 128 such blocks, and without
-   descriptors, memory of eda_alloc. [any] */
+/* Return zeroed memory as eda_alloc does; the caller frees it with eda_free. A
+   block of at least EDA_SHARED bytes is a file in memory (memfd), which other
+   processes can map instead of receiving copies. Smaller blocks, further blocks
+   beside 128 such files, and blocks without a free descriptor are memory of
+   eda_alloc. [any] */
 enum { EDA_SHARED = 1 << 18 };
 OPC_EXPORT void *eda_alloc_shared(size_t count, size_t size);
-OPC_EXPORT void eda_free(void *memory); /* NULL: do nothing */
+/* Free a block of eda_alloc_shared; `memory` may be NULL. [any] */
+OPC_EXPORT void eda_free(void *memory);
 
 /* Place of data in a block of eda_alloc_shared. The block has the number `id`,
    unique in the process, and `size` bytes; `file` is the descriptor of its
