@@ -324,8 +324,45 @@ typedef struct margins {
   butterfly *of[EDA_STATES];
 } margins;
 
+/* A cell as a subcircuit: name, and nets of the ports. */
+typedef struct cell_netlist {
+  char name[32];
+  size_t ports;
+  uint32_t port[4 * CELL_DEVICES];
+} cell_netlist;
+
+/* Write a cell as a subcircuit with the given sizes (SIZE_ON ...), all nets
+   being ports. Set j->code on failure, and return it. */
+int cell_put(bench_task *j, FILE *out, const cell *m, const char *name,
+             int sizes, cell_netlist *c);
+
+/* Return the connection of a net of a cell, without storage nodes. Rails are
+   unchanged. Bit lines connect to the supply. Word lines take the level at
+   which the access transistors conduct (b->reads), or do not. */
+const char *cell_connection(const bench *b, const cell *m, uint32_t net);
+
 int margins_find(bench *b, const cell *cells, size_t count, margins *out,
                  opc_error *error);
+
+/* ---- access.c: cells that are read and written ---- */
+
+/* Figures of both sides of a cell: [0] Q, [1] QB. NAN: the cell does not keep
+   its value. */
+typedef struct access_figures {
+  double read[2];    /* current from the bit line of a node that is low, A */
+  double write[2];   /* voltage at which a falling bit line flips a node that is
+                        high, V; 0: the cell does not flip */
+  double leakage[2]; /* current of supply and bit lines while the node is
+                        high, A */
+} access_figures;
+
+/* Figures of all cells, [state][cell]. */
+typedef struct accesses {
+  access_figures *of[EDA_STATES];
+} accesses;
+
+int accesses_find(bench *b, const cell *cells, size_t count, accesses *out,
+                  opc_error *error);
 
 /* ---- tables.c ---- */
 
@@ -335,6 +372,11 @@ int leakage_report(bench *b, const patterns *p, const logic *l,
                    opc_error *error);
 int margins_report(bench *b, const cell *cells, size_t count, const margins *m,
                    opc_error *error);
+
+/* Write the noise margins of cells that hold [0] and that are read [1], and the
+   figures of access. */
+int accesses_report(bench *b, const cell *cells, size_t count,
+                    const margins m[2], const accesses *a, opc_error *error);
 
 /* Return the index of the arrival with the largest delay deviation, rising or
    falling; with drawn sizes only, with the largest delay. Return -1 if no

@@ -116,16 +116,13 @@ typedef struct study {
   const margins *out;
 } study;
 
-static int is_port(const uint32_t *port, size_t n, uint32_t net) {
-  for (size_t i = 0; i < n; i++)
-    if (port[i] == net) return 1;
+static int is_port(const cell_netlist *c, uint32_t net) {
+  for (size_t i = 0; i < c->ports; i++)
+    if (c->port[i] == net) return 1;
   return 0;
 }
 
-/* Return the connection of a net of a cell. Storage nodes are separate; rails
-   are unchanged. Bit lines connect to the supply. Word lines take the level at
-   which the access transistors conduct, or do not. */
-static const char *net_connection(const bench *b, const cell *m, uint32_t net) {
+const char *cell_connection(const bench *b, const cell *m, uint32_t net) {
   const eda_circuit *c = b->circuit;
   int role = eda_circuit_role(c, net);
   if (role == EDA_PIN_GROUND) return "0";
@@ -141,46 +138,51 @@ static const char *net_connection(const bench *b, const cell *m, uint32_t net) {
   return "0";
 }
 
-/* Write a cell as a subcircuit, and two instances: one driven at Q, one at
-   QB. */
-static void put_cell(bench_task *j, FILE *out, size_t k) {
+int cell_put(bench_task *j, FILE *out, const cell *m, const char *name,
+             int sizes, cell_netlist *c) {
   const bench *b = j->b;
-  const study *s = j->of;
-  const cell *m = &s->cells[k];
   eda_device devices[CELL_DEVICES];
-  uint32_t port[4 * CELL_DEVICES];
-  char name[32];
   eda_circuit own = b->plain;
-  own.name = name;
-  own.ports = 0;
-  own.port = port;
+  *c = (cell_netlist){.ports = 0};
+  snprintf(c->name, sizeof c->name, "%s", name);
+  own.name = c->name;
+  own.port = c->port;
   own.count = m->devices;
   own.device = devices;
-  snprintf(name, sizeof name, "cell%zu", k);
   for (uint32_t i = 0; i < m->devices; i++) {
     const eda_device *d = &b->plain.device[m->device[i]];
     const uint32_t net[4] = {d->drain, d->gate, d->source, d->bulk};
     devices[i] = *d;
     for (int t = 0; t < 4; t++)
-      if (!is_port(port, own.ports, net[t])) port[own.ports++] = net[t];
+      if (!is_port(c, net[t])) c->port[c->ports++] = net[t];
   }
-  char *text = bench_netlist(b, &own, j->state, SIZE_ON, &j->error);
-  if (!text) {
-    j->code = j->error.code;
-    return;
-  }
+  own.ports = c->ports;
+  char *text = bench_netlist(b, &own, j->state, sizes, &j->error);
+  if (!text) return j->code = j->error.code;
   fputs(text, out);
   free(text);
+  return OPC_OK;
+}
+
+/* Write a cell and two instances: one driven at Q, one at QB. */
+static void put_cell(bench_task *j, FILE *out, size_t k) {
+  const bench *b = j->b;
+  const study *s = j->of;
+  const cell *m = &s->cells[k];
+  cell_netlist c;
+  char name[32];
+  snprintf(name, sizeof name, "cell%zu", k);
+  if (cell_put(j, out, m, name, SIZE_ON, &c)) return;
   for (int side = 0; side < 2; side++) {
     fprintf(out, "x%zu%c", k, "ab"[side]);
-    for (size_t i = 0; i < own.ports; i++) {
-      uint32_t net = port[i];
+    for (size_t i = 0; i < c.ports; i++) {
+      uint32_t net = c.port[i];
       if (net == (side ? m->qb : m->q))
         fputs(" in", out);
       else if (net == (side ? m->q : m->qb))
         fprintf(out, " %c%zu", "ab"[side], k);
       else
-        fprintf(out, " %s", net_connection(b, m, net));
+        fprintf(out, " %s", cell_connection(b, m, net));
     }
     fprintf(out, " %s\n.save v(%c%zu)\n", name, "ab"[side], k);
   }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Compares noise margins with squares from another algorithm, and with noise
-   sources raised until the cell flips. */
+   sources raised until the cell flips; and write margins, read currents and
+   leakage with transients in a hand-written deck. */
 #include "circuit_test.h"
 
 /* ---- reference: noise margins by squares ---- */
@@ -154,9 +155,94 @@ static void test_cells(void) {
   g_assert_nonnull(strstr(opc_test_log(), "1 of 1 cells do not hold both"));
 }
 
+/* The bit line of each side falls from 1.1 V within 1 ms, beginning at 1 us.
+   Cells x1 and x2 are read and written, x3 and x4 are at rest. Q is high in x1
+   and x3. */
+static const char access_deck[] =
+    "by hand\n.include \"%s\"\nvs s 0 1.1\n"
+    ".subckt mem q qb wl bl blb s\n"
+    "ma1 q wl bl 0 nmos w=140n l=65n\nma2 qb wl blb 0 nmos w=140n l=65n\n"
+    "md1 q qb 0 0 nmos w=300n l=65n\nmd2 qb q 0 0 nmos w=330n l=65n\n"
+    "ml1 q qb s s pmos w=105n l=65n\nml2 qb q s s pmos w=160n l=65n\n.ends\n"
+    "vb b 0 pwl(0 1.1 1u 1.1 1001u 0)\n"
+    "va s a 0\nx1 q1 qb1 s b a s mem\n"
+    "vc s c 0\nx2 q2 qb2 s c b s mem\n"
+    "vd s d 0\nx3 q3 qb3 0 d d d mem\n"
+    "ve s e 0\nx4 q4 qb4 0 e e e mem\n"
+    ".ic v(q1)=1.1 v(qb1)=0 v(q2)=0 v(qb2)=1.1\n"
+    "+ v(q3)=1.1 v(qb3)=0 v(q4)=0 v(qb4)=1.1\n"
+    ".options gmin=1e-15 reltol=1e-5 abstol=1e-15\n"
+    ".control\ntran 100n 1001u 0 100n\n"
+    "meas tran write0 find v(b) when v(q1)=v(qb1)\n"
+    "meas tran write1 find v(b) when v(q2)=v(qb2)\n"
+    "meas tran read1 find i(va) at=0.9u\nmeas tran read0 find i(vc) at=0.9u\n"
+    "meas tran rest0 find i(vd) at=0.9u\nmeas tran rest1 find i(ve) at=0.9u\n"
+    ".endc\n.end\n";
+
+static void test_access(void) {
+  /* Rows of the table: figure and side; scale to V and A. */
+  static const struct {
+    const char *name;
+    double unit, share;
+  } figure[] = {
+      {"write", 1e-3, 1e-3}, {"read", 1e-6, 1e-5}, {"rest", 1e-12, 1e-3}};
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autoptr(made) m = circuit_make(MEMORY_PORTS, MEMORY);
+  circuit_run(m, 0, card, "measure: cell");
+  g_autofree char *deck = g_strdup_printf(access_deck, card);
+  g_autofree char *hand = by_hand(deck);
+  if (!hand) return;
+  for (size_t k = 0; k < 3; k++)
+    for (size_t side = 0; side < 2; side++) {
+      g_autofree char *name = g_strdup_printf("%s%zu", figure[k].name, side);
+      double got = opc_test_number("cells", "value drawn", 4 + 2 * k + side);
+      assert_near(name, got * figure[k].unit, printed_value(hand, name),
+                  figure[k].share);
+    }
+  /* The margins are those of `measure: snm`. */
+  double hold = opc_test_number("cells", "value drawn", 0);
+  double read = opc_test_number("cells", "value drawn", 3);
+  circuit_run(m, 0, card, "access: hold");
+  assert_near("hold", hold, opc_test_metric("snm_left"), 1e-5);
+  circuit_run(m, 0, card, "access: read");
+  assert_near("read", read, opc_test_metric("snm_right"), 1e-5);
+}
+
+/* Leakage has the printed L of the off current; a cell whose access transistor
+   is too weak is not written. */
+static void test_printed_access(void) {
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autoptr(made) m = circuit_make(MEMORY_PORTS, MEMORY);
+  for (size_t i = 0; i < m->circuit.count; i++) m->off[1][i] = 60;
+  circuit_run(m, 1, card, "measure: cell");
+  g_assert_cmpfloat(opc_test_metric("cell_leakage_mean"), >, 10);
+  g_assert_cmpfloat(fabs(opc_test_metric("cell_leakage_worst_before")), <,
+                    1e-6);
+  g_assert_cmpfloat(fabs(opc_test_metric("read_current_worst")), <, 1e-6);
+  g_assert_cmpfloat(fabs(opc_test_metric("write_margin_worst")), <, 1e-6);
+  g_autoptr(made) weak =
+      circuit_make(MEMORY_PORTS,
+                   "MA1 Q WL BL VSS n 65 60,MD1 Q QB VSS VSS n 65 300,"
+                   "ML1 Q QB VDD VDD p 65 900,MA2 QB WL BLB VSS n 65 140,"
+                   "MD2 QB Q VSS VSS n 65 330,ML2 QB Q VDD VDD p 65 160");
+  circuit_run(weak, 0, card, "measure: cell");
+  g_assert_cmpfloat(opc_test_number("cells", "value drawn", 4), ==, 0);
+  g_assert_cmpfloat(opc_test_number("cells", "value drawn", 5), >, 100);
+  g_autoptr(made) latch =
+      circuit_make(MEMORY_PORTS " D:i",
+                   "MD1 Q QB VSS VSS n 65 300,ML1 Q QB VDD VDD p 65 160,"
+                   "MD2 QB Q VSS VSS n 65 330,ML2 QB Q VDD VDD p 65 160");
+  assert_refused(latch, 0, card, "measure: cell",
+                 "storage node 'Q' has no access transistor");
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/circuit/margins", test_margins);
   g_test_add_func("/circuit/cells", test_cells);
+  g_test_add_func("/circuit/access", test_access);
+  g_test_add_func("/circuit/printed-access", test_printed_access);
   return g_test_run();
 }

@@ -13,7 +13,7 @@
 #include "bench.h"
 
 /* Values of the parameter 'measure'. */
-enum { AUTO, DELAYS, LEAKAGE, SNM };
+enum { AUTO, DELAYS, LEAKAGE, SNM, CELL };
 
 /* ---- work: sets of sizes ---- */
 
@@ -213,13 +213,29 @@ static int pick_cell(const bench *b, cell *cells, size_t *count,
                   b->circuit->name);
 }
 
+/* Simulate cells that hold, are read and are written. The picture has the
+   margins of cells that are read. */
+static int run_cells(bench *b, const cell *cells, size_t count,
+                     opc_error *error) {
+  margins m[2];
+  accesses a;
+  for (b->reads = 0; b->reads < 2; b->reads++)
+    if (margins_find(b, cells, count, &m[b->reads], error)) return error->code;
+  if (accesses_find(b, cells, count, &a, error) ||
+      accesses_report(b, cells, count, m, &a, error))
+    return error->code;
+  const char *path = picture_path(b, error);
+  return path ? draw_margins(b, cells, count, &m[1], path, error) : error->code;
+}
+
 static int run_margins(bench *b, cell *cells, size_t count, opc_error *error) {
   margins m;
   if (!count)
     return opc_fail(error, OPC_INVALID, "circuit",
                     "'%s' has no cross-coupled inverters", b->circuit->name);
-  if (pick_cell(b, cells, &count, error) ||
-      margins_find(b, cells, count, &m, error) ||
+  if (pick_cell(b, cells, &count, error)) return error->code;
+  if (b->measure == CELL) return run_cells(b, cells, count, error);
+  if (margins_find(b, cells, count, &m, error) ||
       margins_report(b, cells, count, &m, error))
     return error->code;
   const char *path = picture_path(b, error);
@@ -243,7 +259,7 @@ static int circuit_run(void *self, void **outputs, opc_error *error) {
   (void)outputs;
   if (circuit_prepare(b, error) || cells_find(b, &cells, &count, error))
     return error->code;
-  if (b->measure == SNM || (b->measure == AUTO && is_memory(cells, count)))
+  if (b->measure >= SNM || (b->measure == AUTO && is_memory(cells, count)))
     return run_margins(b, cells, count, error);
   int64_t loop = feedback_find(b);
   return loop < 0 ? run_logic(b, error)
@@ -320,9 +336,12 @@ static const opc_parameter parameters[] = {
         .summary =
             "voltage levels between which rise and fall times are measured"),
     OPC_PARAMETER(bench, measure, .type = OPC_CHOICE,
-                  .choices = "auto|delays|leakage|snm", .preset = "auto",
+                  .choices = "auto|delays|leakage|snm|cell", .preset = "auto",
                   .summary = "quantities to measure; auto: noise margins of "
-                             "memories, delays and leakage of other circuits"),
+                             "memories, delays and leakage of other circuits; "
+                             "cell: noise margins of cells that hold and that "
+                             "are read, write margin, read current and leakage "
+                             "of memories"),
     OPC_PARAMETER_NAMED(
         "inputs", bench, inputs_list, .type = OPC_TEXT,
         .summary = "names of the input ports, separated by blanks (default: "
@@ -345,8 +364,9 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER_NAMED(
         "access", bench, reads, .type = OPC_CHOICE, .choices = "hold|read",
         .preset = "hold",
-        .summary = "state of the access transistors of memory cells: off "
-                   "(hold) or conducting (read); bit lines are at the supply"),
+        .summary = "state of the access transistors of memory cells for the "
+                   "noise margins: off (hold) or conducting (read); bit lines "
+                   "are at the supply"),
     OPC_PARAMETER(
         bench, picture, .type = OPC_OUTPUT, .preset = "circuit.png",
         .summary =
@@ -369,6 +389,17 @@ static const opc_parameter parameters[] = {
     .name = (id "_worst_before"), .unit = "%", .better = OPC_NEUTRAL, \
     .summary = ("before correction, largest deviation of " text)      \
   }
+
+#define CELL_FIGURE(id, of, better_when, text)                    \
+  {.name = (id),                                                  \
+   .unit = (of),                                                  \
+   .better = (better_when),                                       \
+   .summary = ("mean " text ", printed; without a mask, drawn")}, \
+      {.name = (id "_mean"),                                      \
+       .unit = "%",                                               \
+       .better = OPC_NEUTRAL,                                     \
+       .summary = ("mean deviation of the " text)},               \
+      CHANGE(id, "the " text)
 
 static const opc_metric metrics[] = {
     FIGURE("transitions", NULL, "input transitions that change an output"),
@@ -396,6 +427,14 @@ static const opc_metric metrics[] = {
     FIGURE("snm_right", "mV", "smallest right noise margin as drawn"),
     CHANGE("snm_left", "left noise margins"),
     CHANGE("snm_right", "right noise margins"),
+    CELL_FIGURE("hold_margin", "mV", OPC_HIGHER,
+                "noise margin of holding cells"),
+    CELL_FIGURE("read_margin", "mV", OPC_HIGHER,
+                "noise margin of cells that are read"),
+    CELL_FIGURE("write_margin", "mV", OPC_HIGHER,
+                "bit line voltage that writes a cell"),
+    CELL_FIGURE("read_current", "uA", OPC_HIGHER, "read current of a cell"),
+    CELL_FIGURE("cell_leakage", "pA", OPC_LOWER, "leakage of a cell"),
 };
 
 static int circuit_check(void *self, opc_error *error) {

@@ -352,6 +352,95 @@ int margins_report(bench *b, const cell *cells, size_t count, const margins *m,
   return margins_cells(b, cells, count, m, error);
 }
 
+/* ---- memory cells ---- */
+
+enum { HOLD, READ, WRITE, CURRENT, REST, FIGURES };
+
+/* Return a figure of a side of a cell, in the unit of the table. */
+static double cell_figure(const margins m[2], const accesses *a, int figure,
+                          int state, size_t i, int side) {
+  const access_figures *f = &a->of[state][i];
+  switch (figure) {
+    case WRITE:
+      return 1e3 * f->write[side];
+    case CURRENT:
+      return 1e6 * f->read[side];
+    case REST:
+      return 1e12 * f->leakage[side];
+    default:
+      return 1e3 * m[figure].of[state][i].margin[side];
+  }
+}
+
+static const char *const figure_names[FIGURES] = {
+    "hold margin, mV", "read margin, mV", "write margin, mV",
+    "read current, uA", "leakage, pA"};
+
+static int accesses_cells(bench *b, const cell *cells, size_t count,
+                          const margins m[2], const accesses *a,
+                          opc_error *error) {
+  table t = {.b = b, .rows = 2 * FIGURES * count};
+  const char **q = add_texts(&t, "cell"), **quantity = add_texts(&t, "figure"),
+             **where = add_texts(&t, "side");
+  for (int s = 0; s < states_of(b); s++) {
+    double *x = add_state(&t, "value", s, NULL, 4);
+    for (size_t row = 0; row < t.rows; row++) {
+      size_t i = row / 2 / FIGURES;
+      int figure = (int)(row / 2 % FIGURES), side = row % 2;
+      q[row] = b->circuit->net[cells[i].q];
+      quantity[row] = figure_names[figure];
+      where[row] = sides[side];
+      if (b->has[s]) x[row] = cell_figure(m, a, figure, s, i, side);
+    }
+  }
+  return table_publish(&t, "cells", 0, error);
+}
+
+/* Collect the values and the deviations of all cells and sides. */
+static void spread_cells(const bench *b, size_t count, const margins m[2],
+                         const accesses *a, int figure,
+                         spread value[EDA_STATES], spread of[EDA_STATES]) {
+  for (size_t i = 0; i < 2 * count; i++)
+    for (int s = 0; s < EDA_STATES; s++) {
+      if (!b->has[s]) continue;
+      double drawn = cell_figure(m, a, figure, EDA_DRAWN, i / 2, i % 2);
+      double x = cell_figure(m, a, figure, s, i / 2, i % 2);
+      spread_include(&value[s], x);
+      if (s) spread_include(&of[s], percent_deviation(x, drawn));
+    }
+}
+
+int accesses_report(bench *b, const cell *cells, size_t count,
+                    const margins m[2], const accesses *a, opc_error *error) {
+  static const char *const ids[FIGURES] = {"hold_margin", "read_margin",
+                                           "write_margin", "read_current",
+                                           "cell_leakage"};
+  table t = {.b = b, .rows = FIGURES};
+  const char **quantity = add_texts(&t, "figure");
+  double *drawn = add_numbers(&t, "mean drawn", NULL, 3);
+  deviations changes = add_deviations(&t);
+  int last = b->has[EDA_AFTER] ? EDA_AFTER : EDA_DRAWN;
+  for (int s = 0; s < EDA_STATES; s++)
+    for (int read = 0; read < 2 && b->has[s]; read++)
+      warn_of_state(b, cells, count, m[read].of[s], s);
+  for (size_t k = 0; k < FIGURES; k++) {
+    spread value[EDA_STATES] = {{0}}, of[EDA_STATES] = {{0}};
+    char name[32];
+    spread_cells(b, count, m, a, (int)k, value, of);
+    quantity[k] = figure_names[k];
+    drawn[k] = mean_of(&value[EDA_DRAWN]);
+    snprintf(name, sizeof name, "%s_mean", ids[k]);
+    if (publish_metric(b, ids[k], mean_of(&value[last]), error) ||
+        publish_metric(b, name, mean_of(&of[EDA_AFTER]), error) ||
+        put_deviations(b, &changes, k, ids[k], of, error))
+      return error->code;
+  }
+  if (publish_metric(b, "cells", (double)count, error) ||
+      table_publish(&t, "memory", OPC_TABLE_PRINT, error))
+    return error->code;
+  return accesses_cells(b, cells, count, m, a, error);
+}
+
 size_t worst_cell(const bench *b, size_t count, const margins *m) {
   int state = b->has[EDA_AFTER] ? EDA_AFTER : EDA_DRAWN;
   size_t best = 0;

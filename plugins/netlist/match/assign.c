@@ -6,8 +6,7 @@
 
 #include "graph.h"
 
-/* Return the allowed deviation from a size of the netlist, nm. */
-static double length_slack(const match_task *j, double nominal) {
+double match_slack(const match_task *j, double nominal) {
   return fmax(j->tolerance * nominal, j->gates->grid) * (1 + 1e-9);
 }
 
@@ -26,7 +25,7 @@ static int check_length(graph *g, const eda_transistor *d, uint32_t gate) {
   const match_task *j = g->j;
   double drawn = j->gates->length[gate];
   char name[256], fault[400];
-  if (fabs(drawn - d->length) <= length_slack(j, d->length)) return OPC_OK;
+  if (fabs(drawn - d->length) <= match_slack(j, d->length)) return OPC_OK;
   snprintf(fault, sizeof fault, "has L %.6g nm, but the gate '%s' has %.6g nm",
            d->length, match_gate_name(j, gate, name, sizeof name), drawn);
   return refuse_device(g, d, fault);
@@ -39,7 +38,7 @@ static int check_width(graph *g, const eda_transistor *d, const uint32_t *gates,
   for (uint32_t i = 0; i < n; i++) drawn += j->gates->width[gates[i]];
   char name[256], fault[400];
   if (fabs(drawn - d->width) <=
-      fmax(length_slack(j, d->width), n * j->gates->grid))
+      fmax(match_slack(j, d->width), n * j->gates->grid))
     return OPC_OK;
   match_gate_name(j, gates[0], name, sizeof name);
   if (n > 1)
@@ -77,8 +76,8 @@ static uint32_t best_gate(const choice *c, double width) {
     uint32_t gate = c->gate[i];
     if (c->taken[i]) continue;
     int misfit =
-        fabs(o->length[gate] - d->length) > length_slack(j, d->length) ||
-        (width > 0 && fabs(o->width[gate] - width) > length_slack(j, width));
+        fabs(o->length[gate] - d->length) > match_slack(j, d->length) ||
+        (width > 0 && fabs(o->width[gate] - width) > match_slack(j, width));
     double cost = graph_distance(stated, graph_middle(j, gate));
     if (misfit) cost += 1e30;
     if (cost < least) {
@@ -107,7 +106,7 @@ static int take_gates(choice *c, uint32_t owner, int alone, int one_each) {
            most = one_each || !alone ? stated : 0;
   double width = stated ? d->width / stated : 0, sum = 0;
   double enough =
-      stated || alone ? INFINITY : d->width - length_slack(g->j, d->width);
+      stated || alone ? INFINITY : d->width - match_slack(g->j, d->width);
   while (c->left && (!most || n < most) && sum < enough) {
     uint32_t at = best_gate(c, width);
     choice_take(c, at);

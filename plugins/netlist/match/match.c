@@ -16,7 +16,7 @@ typedef struct matcher {
   const char *file, *top;
   opc_map layers, labels;
   double scale;
-  int flat;
+  int flat, by_place;
   double tolerance; /* % */
   const char *supply, *ground, *n_models, *p_models;
 } matcher;
@@ -121,15 +121,17 @@ static int find_top(match_task *j) {
 
 static int match_netlist(match_task *j, const matcher *m, eda_circuit **out) {
   eda_netlist *n = &j->netlist;
-  if (find_top(j) || find_layers(j, m) || eda_netlist_read(n, m->file))
+  if ((!m->by_place && (find_top(j) || find_layers(j, m))) ||
+      eda_netlist_read(n, m->file))
     return j->error->code;
   int64_t number = eda_netlist_find(n, m->top ? m->top : j->gates->name);
   if (number < 0 || eda_netlist_prepare(n, (uint32_t)number))
     return j->error->code;
   eda_scope top = {NULL, &n->subcircuit[number], NULL};
   j->flat.pool = &j->pool;
-  if (eda_netlist_flatten(n, &top, &j->flat) || match_pair(j, &top) ||
-      match_extract(j) || match_solve(j))
+  if (eda_netlist_flatten(n, &top, &j->flat) ||
+      (m->by_place ? match_places(j)
+                   : match_pair(j, &top) || match_extract(j) || match_solve(j)))
     return j->error->code;
   if (j->loose)
     j->host->log(j->host, OPC_LOG_WARNING,
@@ -215,6 +217,12 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(matcher, flat, .type = OPC_BOOL, .preset = "false",
                   .summary = "match the flattened netlist, even if the layout "
                              "has the netlist's instances"),
+    OPC_PARAMETER_NAMED(
+        "assign", matcher, by_place, .type = OPC_CHOICE,
+        .choices = "connections|places", .preset = "connections",
+        .summary = "assign gates by the nets of the layout, or by the places "
+                   "in the netlist: nets are not checked, and other gates do "
+                   "not belong to the circuit"),
     OPC_PARAMETER(matcher, tolerance, .type = OPC_REAL,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "%",
                   .preset = "1 %", .max = 50,
@@ -237,7 +245,7 @@ static const opc_parameter parameters[] = {
 
 static const opc_metric metrics[] = {
     {"devices", NULL, OPC_NEUTRAL, 0, "transistors of the netlist"},
-    {"gates", NULL, OPC_NEUTRAL, 0, "number of matched gates"},
+    {"gates", NULL, OPC_NEUTRAL, 0, "number of gates of the layout"},
     {"nets", NULL, OPC_NEUTRAL, 0, "nets of the netlist"},
     {"by_order", NULL, OPC_LOWER, 0,
      "number of choices among equivalent transistors decided by their order"},

@@ -65,7 +65,7 @@ typedef struct match_task {
   size_t loose; /* labels that are not on a shape */
 
   eda_flat_netlist flat; /* the whole netlist */
-  uint32_t *owner;       /* device of each gate, or UINT32_MAX */
+  uint32_t *owner;       /* device of each gate, or UINT32_MAX: none */
   size_t by_order;       /* assignments that only the order decided */
 } match_task;
 
@@ -75,6 +75,9 @@ uint32_t *match_unknown(match_task *j, size_t n);
 /* Return "NAME:NUMBER" of a gate, for messages, in `buffer`. */
 const char *match_gate_name(const match_task *j, size_t gate, char *buffer,
                             size_t capacity);
+
+/* assign.c: return the allowed deviation from a size of the netlist, nm. */
+double match_slack(const match_task *j, double nominal);
 
 /* pairing.c: assign subcircuits to parts of the layout. */
 int match_pair(match_task *j, const eda_scope *top);
@@ -86,6 +89,10 @@ int match_extract(match_task *j);
 
 /* solve.c: assign the devices of all groups to gates. Sets j->owner. */
 int match_solve(match_task *j);
+
+/* places.c: assign each device to the gate at its place in the netlist. Sets
+   j->owner. */
+int match_places(match_task *j);
 
 /* match_circuit: return the circuit of the flat netlist with the assigned
    gates; `supply` and `ground` are lists of net names separated by blanks.

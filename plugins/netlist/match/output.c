@@ -26,7 +26,8 @@ static void put_devices(const match_task *j, eda_circuit *c) {
                                 .type = d->from->type,
                                 .model = own_text(c, d->from->model)};
   }
-  for (size_t i = 0; i < g->count; i++) c->device[j->owner[i]].fingers++;
+  for (size_t i = 0; i < g->count; i++)
+    if (j->owner[i] != UINT32_MAX) c->device[j->owner[i]].fingers++;
   uint32_t *fingers = eda_pool_alloc(&c->memory, g->count, sizeof *fingers);
   uint32_t *next = fingers;
   for (size_t i = 0; i < c->count; i++) {
@@ -35,6 +36,7 @@ static void put_devices(const match_task *j, eda_circuit *c) {
     c->device[i].fingers = 0;
   }
   for (size_t i = 0; i < g->count; i++) {
+    if (j->owner[i] == UINT32_MAX) continue;
     eda_device *d = &c->device[j->owner[i]];
     fingers[(size_t)(d->finger - fingers) + d->fingers++] = (uint32_t)i;
   }

@@ -289,6 +289,7 @@ static const struct {
     {".lib", take_library, 0},
     {".end", take_end, 0},
     {".save", deck_copy_statement, 1},
+    {".nodeset", deck_copy_statement, 1},
     {".osdi", take_osdi, 1},
 };
 

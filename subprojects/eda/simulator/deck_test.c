@@ -86,10 +86,11 @@ static void test_own(void) {
   opc_error error;
   char *out = deck_write(
       "*ng_script\nv1 a 0 1\n.options temp=27\n"
-      ".save v(a)\n.end\nshell false\n",
+      ".save v(a)\n.nodeset v(a)=1\n.end\nshell false\n",
       NULL, &error);
   g_assert_cmpstr(out, ==,
-                  "opcflow\nv1 a 0 1\n.options temp=27\n.save v(a)\n.end\n");
+                  "opcflow\nv1 a 0 1\n.options temp=27\n.save v(a)\n"
+                  ".nodeset v(a)=1\n.end\n");
   free(out);
   g_assert_null(
       deck_write("t\nv1 a 0 1\n.control\nop\n.endc\n.end", NULL, &error));
@@ -98,17 +99,17 @@ static void test_own(void) {
 
 static void test_statements(void) {
   static const char *const evil[] = {
-      ".control", ".CONTROL",   ".endc",     ".controlx",  ".csparam",
-      ".exec",    ".shell",     ".save",     ".print",     ".plot",
-      ".measure", ".meas",      ".write",    ".tran",      ".temp",
-      ".title",   ".hdl",       ".biaschk",  ".incpslt",   ".libsave",
-      ".osdi",    ".codemodel", ".lib",      ".prot",      ".sndprint",
-      ".width",   ".ic",        ".data",     ".",          "shell",
-      "system",   "set",        "source",    "write",      "a1",
-      "n1",       "u1",         "p1",        "@",          "1",
-      "#",        "=",          "\"shell\"", "'.control'", "{shell}",
-      "%shell",   "!",          "&",         "_x",         ".include",
-      "unset",    "alias",      "pre_osdi",  "y1"};
+      ".control",  ".CONTROL", ".endc",      ".controlx", ".csparam",
+      ".exec",     ".shell",   ".save",      ".print",    ".plot",
+      ".measure",  ".meas",    ".write",     ".tran",     ".temp",
+      ".title",    ".hdl",     ".biaschk",   ".incpslt",  ".libsave",
+      ".osdi",     ".nodeset", ".codemodel", ".lib",      ".prot",
+      ".sndprint", ".width",   ".ic",        ".data",     ".",
+      "shell",     "system",   "set",        "source",    "write",
+      "a1",        "n1",       "u1",         "p1",        "@",
+      "1",         "#",        "=",          "\"shell\"", "'.control'",
+      "{shell}",   "%shell",   "!",          "&",         "_x",
+      ".include",  "unset",    "alias",      "pre_osdi",  "y1"};
   for (size_t i = 0; i < G_N_ELEMENTS(evil); i++) {
     g_autofree char *text =
         g_strdup_printf(".param a=1\n \t%s touch x y z\n.endc\n", evil[i]);
