@@ -83,7 +83,9 @@ static void write_access(bench_task *j, FILE *out, const void *how) {
   job_begin(j, out, 1e-5, 1e-15);
   for (int rest = 0; rest < 2 && !j->code; rest++) {
     cell_netlist c;
-    if (cell_put(j, out, m, rest ? "rest" : "access", SIZE_ON, &c)) return;
+    if (cell_put(j, out, m, rest ? "rest" : "access", rest ? SIZE_OFF : SIZE_ON,
+                 &c))
+      return;
     put_instance(b, m, &c, side, rest, out);
   }
   fprintf(out,

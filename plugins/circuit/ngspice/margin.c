@@ -75,8 +75,10 @@ static void keep_square(butterfly *f, int side, const turned *c, const gap *g) {
 }
 
 /* In a bistable cell the first curve crosses the second from above at one
-   point. The lobes extend from this point to the next crossings on both
-   sides. */
+   point. The lobes extend from this point to the next crossings on both sides.
+   A cell with a third stable state between the others has two such points. Its
+   left lobe is on the left of the first point, its right lobe on the right of
+   the second. */
 static void butterfly_squares(butterfly *f, double supply) {
   const double root = sqrt(0.5);
   turned c[2];
@@ -90,14 +92,14 @@ static void butterfly_squares(butterfly *f, double supply) {
     c[1].along[back] = (f->up[i] - x) * root;
     c[1].across[back] = (f->up[i] + x) * root;
   }
-  size_t n = list_gaps(c, list);
+  size_t n = list_gaps(c, list), left = SIZE_MAX;
   memset(f->margin, 0, sizeof f->margin);
   memset(f->corner, 0, sizeof f->corner);
   for (size_t i = 0; i + 1 < n; i++) {
     if (!(list[i].above > 0 && list[i + 1].above <= 0)) continue;
-    size_t left = i, right = i + 1;
+    size_t right = i + 1;
     for (size_t k = i + 1; k-- > 0 && list[k].above > 0;)
-      if (list[k].above > list[left].above) left = k;
+      if (left == SIZE_MAX || list[k].above > list[left].above) left = k;
     for (size_t k = i + 1; k < n && list[k].above <= 0; k++)
       if (list[k].above < list[right].above) right = k;
     double least = fmin(list[left].above, -list[right].above);

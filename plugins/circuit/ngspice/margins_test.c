@@ -16,14 +16,14 @@ static double at(const double *curve, size_t n, double step, double x) {
   return curve[i] + (place - (double)i) * (curve[i + 1] - curve[i]);
 }
 
-/* Return the largest square with the lower left corner on x = g(y) and the
-   upper right corner on y = f(x). */
+/* Return the largest square with the lower left corner on x = g(y), above the
+   diagonal, and the upper right corner on y = f(x). */
 static double largest_square(const double *f, const double *g, size_t n,
                              double step) {
   double best = 0, most = step * (double)(n - 1);
   for (size_t j = 0; j < n; j++) {
     double y = step * (double)j, x = g[j], low = 0, high = most;
-    if (at(f, n, step, x) <= y) continue;
+    if (at(f, n, step, x) <= y || x > y) continue;
     for (int i = 0; i < 50; i++) {
       double side = (low + high) / 2;
       if (x + side < most && at(f, n, step, x + side) > y + side)
@@ -122,6 +122,38 @@ static void test_margins(void) {
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
   compare_margins(card, "hold", "0");
   compare_margins(card, "read", "s");
+}
+
+/* In a cell that is almost lost when it is read, the curves cross five times.
+   The margins are those of the outer states. */
+static void test_five_crossings(void) {
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autoptr(made) m =
+      circuit_make(MEMORY_PORTS,
+                   "MA1 Q WL BL VSS n 65 370,MD1 Q QB VSS VSS n 65 600,"
+                   "ML1 Q QB VDD VDD p 65 300,MA2 QB WL BLB VSS n 65 370,"
+                   "MD2 QB Q VSS VSS n 65 600,ML2 QB Q VDD VDD p 65 300");
+  circuit_run(m, 0, card, "access: read");
+  g_autofree char *deck = g_strdup_printf(
+      "by hand\n.include \"%s\"\nvs s 0 1.1\nvin in 0 0\n"
+      "ma out s s 0 nmos w=370n l=65n\nmd out in 0 0 nmos w=600n l=65n\n"
+      "ml out in s s pmos w=300n l=65n\n"
+      ".options gmin=1e-15 reltol=1e-5 abstol=1e-15\n.control\n"
+      "set numdgt=12\ndc vin 0 1.101 0.002\nwrdata five.txt v(out)\n"
+      ".endc\n.end\n",
+      card);
+  g_autofree char *hand = by_hand(deck);
+  size_t n, crossings = 0;
+  if (!hand) return;
+  g_autofree double *f = read_curve("five.txt", 0, &n);
+  for (size_t i = 1; i < n; i++)
+    crossings += (at(f, n, 0.002, f[i]) > 0.002 * (double)i) !=
+                 (at(f, n, 0.002, f[i - 1]) > 0.002 * (double)(i - 1));
+  g_assert_cmpuint(crossings, ==, 5);
+  double square = 1000 * largest_square(f, f, n, 0.002);
+  g_assert_cmpfloat(fabs(opc_test_metric("snm_left") - square), <, 0.1);
+  g_assert_cmpfloat(fabs(opc_test_metric("snm_right") - square), <, 0.1);
 }
 
 /* A mirrored cell has mirrored margins. A cell that is not bistable has margin
@@ -242,6 +274,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/circuit/margins", test_margins);
   g_test_add_func("/circuit/cells", test_cells);
+  g_test_add_func("/circuit/five-crossings", test_five_crossings);
   g_test_add_func("/circuit/access", test_access);
   g_test_add_func("/circuit/printed-access", test_printed_access);
   return g_test_run();
