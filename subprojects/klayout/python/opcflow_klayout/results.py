@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Results of a run: table of the transistors, layers and markers in a view."""
+import csv
+import json
+import os
+import re
+
+import pya
+
+COLUMNS = ("transistor", "type", "l (nm)", "w (nm)", "ion_before (%)", "ion_after (%)",
+           "ioff_after (%)", "area_after (%)", "verdict")
+
+
+class Results:
+    """The files of a run folder. `scale`: factor from the coordinates of the view to those of the
+    run, which flows set to enlarge a layout."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        with open(self.path("gates.csv"), newline="") as f:
+            self.rows = list(csv.DictReader(f))
+        with open(self.path("metrics.json")) as f:
+            self.metrics = json.load(f)
+        with open(self.path("flow.yaml")) as f:
+            scale = re.search(r"^  layout:.*\n(?:    .*\n)*?    scale: (\S+)", f.read(), re.M)
+        self.scale = float(scale[1]) if scale else 1.0
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def metric(self, name):
+        """Return the value of a metric of the step 'mask'."""
+        return self.metrics["mask"][name]["value"]
+
+    def place(self, row):
+        """Return the middle of a transistor in um of the view."""
+        return pya.DPoint(*(float(row[name]) / 1000 / self.scale for name in ("x (nm)", "y (nm)")))
+
+    def fill_database(self, database):
+        """Read the markers into a report database, in coordinates of the view."""
+        database.load(self.path("run.lyrdb"))
+        if self.scale == 1:
+            return
+        shrink = pya.DCplxTrans(1 / self.scale)
+        for item in database.each_item():
+            values = [scaled(value, shrink) for value in item.each_value()]
+            item.clear_values()
+            for value in values:
+                item.add_value(value)
+
+    def show(self, view, former=None):
+        """Show layers and markers in the view, above the layout; `former` is the result of an
+        earlier call, which is removed. Returns the index of the new cell view."""
+        if former is not None and former < view.cellviews() and former > 0:
+            view.erase_cellview(former)
+        box, active = view.box(), view.active_cellview().index()
+        index = view.load_layout(self.path("run.oas"), "", True)
+        view.cellview(index).layout().dbu /= self.scale
+        view.load_layer_props(self.path("run.lyp"), index, False)
+        view.set_active_cellview_index(active)
+        view.zoom_box(box)
+        database = view.rdb(view.create_rdb("opcflow"))
+        self.fill_database(database)
+        return index
+
+
+def scaled(value, trans):
+    """Return a value of a report database, with transformed shapes."""
+    for kind in ("box", "polygon", "edge", "edge_pair", "path"):
+        if getattr(value, "is_%s" % kind)():
+            return pya.RdbItemValue(trans * getattr(value, kind)())
+    return value.dup()
