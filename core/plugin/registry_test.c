@@ -147,7 +147,7 @@ static void test_duplicate(void) {
 
 static void test_folders(void) {
   g_setenv("OPCFLOW_PLUGIN_PATH", "/nowhere/b::/nowhere/c", TRUE);
-  const char *given[] = {"/nowhere/a", NULL};
+  const char *given[] = {"/nowhere/a", "/nowhere/a", NULL};
   g_autoptr(opc_registry) registry = opc_registry_new(given);
   const GPtrArray *folders = opc_registry_folders(registry);
   g_assert_cmpstr(folders->pdata[0], ==, "/nowhere/a");

@@ -243,8 +243,18 @@ static void test_json(void) {
   opc_table *table = sample_table();
   g_autofree char *text = opc_json_text(opc_table_json(table));
   g_autoptr(JsonNode) node = json_from_string(text, NULL);
-  JsonArray *rows =
-      json_object_get_array_member(json_node_get_object(node), "rows");
+  JsonObject *object = json_node_get_object(node);
+  JsonArray *columns = json_object_get_array_member(object, "columns");
+  static const char *const heads[][2] = {
+      {"name", NULL}, {"size", "nm"}, {"count", ""}, {"exact", "%"}};
+  for (guint i = 0; i < 4; i++) {
+    JsonObject *head = json_array_get_object_element(columns, i);
+    g_assert_cmpstr(json_object_get_string_member(head, "name"), ==,
+                    heads[i][0]);
+    g_assert_cmpstr(json_object_get_string_member(head, "unit"), ==,
+                    heads[i][1]);
+  }
+  JsonArray *rows = json_object_get_array_member(object, "rows");
   g_assert_cmpuint(json_array_get_length(rows), ==, 4);
   for (guint i = 0; i < 4; i++) {
     JsonArray *row = json_array_get_array_element(rows, i);

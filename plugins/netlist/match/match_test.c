@@ -364,28 +364,6 @@ static void test_garbage(void) {
 
 /* ---- layouts by hand ---- */
 
-static void box(void *layout, int32_t cell, const char *layer, int32_t x0,
-                int32_t y0, int32_t x1, int32_t y1) {
-  opc_error error;
-  int32_t l = eda_layout_layer(layout, layer, &error);
-  eda_box b = {x0, y0, x1, y1};
-  g_assert_cmpint(eda_layout_add_box(layout, cell, l, b, &error), ==, OPC_OK);
-}
-
-/* Return a layout of two transistors in a row, with a metal strap over all
-   three diffusions. */
-static void *two_in_a_row(int32_t *cell) {
-  opc_error error;
-  void *layout = eda_layout_new(1, &error);
-  *cell = eda_layout_cell(layout, "pair", &error);
-  box(layout, *cell, "active", 0, 0, 600, 200);
-  box(layout, *cell, "poly", 150, -100, 215, 300);
-  box(layout, *cell, "poly", 400, -100, 465, 300);
-  box(layout, *cell, "nimplant", -50, -50, 650, 250);
-  box(layout, *cell, "metal1", 0, 50, 600, 100);
-  return layout;
-}
-
 /* Test that contacts join only the layers below and above. */
 static void test_contacts(void) {
   static const char *const netlists[] = {
@@ -415,15 +393,6 @@ static void test_contacts(void) {
   }
 }
 
-static void text(void *layout, int32_t cell, const char *layer, int32_t x,
-                 int32_t y, const char *t) {
-  opc_error error;
-  int32_t l = eda_layout_layer(layout, layer, &error);
-  eda_point at = {x, y};
-  g_assert_cmpint(eda_layout_add_text(layout, cell, l, at, t, &error), ==,
-                  OPC_OK);
-}
-
 static const char ring[] =
     "* both ends are one net\n.subckt pair g h a b\n"
     "M1 a g b z nmos w=200n l=65n\nM2 b h a z nmos w=200n l=65n\n.ends\n";
@@ -440,6 +409,30 @@ static void test_same_label(void) {
     const eda_circuit *c =
         circuit_match(&r, path, ", labels: { active: pins }", &message);
     g_assert_true((c != NULL) == labelled);
+    drop_gates(&r);
+    eda_layout_free(r.layout);
+  }
+}
+
+/* Test that the log names the number of ignored elements, and of labels beside
+   the shapes of their layer. */
+static void test_warnings(void) {
+  for (int k = 0; k < 2; k++) {
+    int32_t cell;
+    run r = {.layout = two_in_a_row(&cell)};
+    text(r.layout, cell, "active", 50, 150, "a");
+    if (k) text(r.layout, cell, "active", 9000, 150, "x");
+    find_gates(&r, "{}");
+    g_autofree char *deck = g_strdup_printf(
+        "*\n.subckt pair g h a b c\n"
+        "M1 a g b z nmos w=200n l=65n\n%s"
+        "M2 b h c z nmos w=200n l=65n\n.ends\n",
+        k ? "C1 a b 1f\nD1 a b diode\n" : "");
+    g_autofree char *path = in_folder("w.sp", deck, -1);
+    opc_test_forget();
+    circuit_match(&r, path, "", NULL);
+    g_assert_true(k == !!strstr(opc_test_log(), "1 labels are on no shape"));
+    g_assert_true(k == !!strstr(opc_test_log(), "ignored: 2"));
     drop_gates(&r);
     eda_layout_free(r.layout);
   }
@@ -589,6 +582,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/match/contacts", test_contacts);
   g_test_add_func("/match/same-label", test_same_label);
   g_test_add_func("/match/hints", test_hints);
+  g_test_add_func("/match/warnings", test_warnings);
   g_test_add_func("/match/orientations", test_orientations);
   g_test_add_func("/match/numbers", test_numbers);
   g_test_add_func("/match/slanted", test_slanted);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <eda/circuit.h>
+#include <eda/layout.h>
 #include <glib/gstdio.h>
 #include <stdio.h>
 #include <string.h>
@@ -97,4 +98,37 @@ static inline char *in_folder(const char *name, const char *text, gssize n) {
   g_assert_cmpuint(fwrite(text, 1, bytes, file), ==, bytes);
   fclose(file);
   return path;
+}
+
+/* ---- layouts by hand ---- */
+
+static inline void box(void *layout, int32_t cell, const char *layer,
+                       int32_t x0, int32_t y0, int32_t x1, int32_t y1) {
+  opc_error error;
+  int32_t l = eda_layout_layer(layout, layer, &error);
+  eda_box b = {x0, y0, x1, y1};
+  g_assert_cmpint(eda_layout_add_box(layout, cell, l, b, &error), ==, OPC_OK);
+}
+
+/* Return a layout of two transistors in a row, with a metal strap over all
+   three diffusions. */
+static inline void *two_in_a_row(int32_t *cell) {
+  opc_error error;
+  void *layout = eda_layout_new(1, &error);
+  *cell = eda_layout_cell(layout, "pair", &error);
+  box(layout, *cell, "active", 0, 0, 600, 200);
+  box(layout, *cell, "poly", 150, -100, 215, 300);
+  box(layout, *cell, "poly", 400, -100, 465, 300);
+  box(layout, *cell, "nimplant", -50, -50, 650, 250);
+  box(layout, *cell, "metal1", 0, 50, 600, 100);
+  return layout;
+}
+
+static inline void text(void *layout, int32_t cell, const char *layer,
+                        int32_t x, int32_t y, const char *t) {
+  opc_error error;
+  int32_t l = eda_layout_layer(layout, layer, &error);
+  eda_point at = {x, y};
+  g_assert_cmpint(eda_layout_add_text(layout, cell, l, at, t, &error), ==,
+                  OPC_OK);
 }
