@@ -2,7 +2,7 @@
 # make demo    install what is missing, build, correct our NAND2
 # make test    install what is missing, build, run every test
 # make bench   the benchmarks; results in build/bench/NAME.json
-# make sanitize  every test under AddressSanitizer and UBSan
+# make sanitize [SUITES="eda plugins"]  tests under AddressSanitizer and UBSan, all by default
 #
 # make coverage [FOLDERS=core/run]  lines that the unit tests of a folder execute
 # make mutants [COUNT=100] [SEED=1] [JOBS=1] [FOLDERS=core/run]  undetected changes of lines
@@ -16,6 +16,9 @@
 BUILD ?= build
 MESON_FLAGS ?=
 export MESONFLAGS =
+
+# Suites of tests that `make test` and `make sanitize` run; empty: all.
+SUITES ?=
 
 .PHONY: demo test bench sanitize coverage mutants fuzz lint site deb install build clean
 
@@ -32,7 +35,7 @@ $(BUILD)/build.ninja:
 
 test: build
 	@tools/install-packages zsh groff qemu-user python3-jsonschema ngspice iverilog python3-numpy mkdocs python3-pip python3-wheel
-	@tools/run-tests $(BUILD)
+	@tools/run-tests $(BUILD) $(SUITES)
 
 bench: build
 	ninja -C $(BUILD) bench

@@ -210,8 +210,8 @@ static void test_sum(void) {
     }
 }
 
-/* Skip an accuracy test under the sanitizer, where the three tests take
-   minutes. The other tests run the same code. Return whether the test is
+/* Skip an accuracy test under the sanitizer, where these tests take minutes.
+   The other tests run the same code. Return whether the test is
    skipped. */
 static int skip_sanitized(void) {
 #ifdef __SANITIZE_ADDRESS__
@@ -349,6 +349,7 @@ static const struct {
               {"litho.hopkins", "error: 1e-3"}};
 
 static void test_clear(void) {
+  if (skip_sanitized()) return;
   static const char *const sources[] = {
       "defocus: 80 nm", "source: annular, sigma_in: 0.5",
       "source: dipole, sigma_in: 0.5, rotation: 30 deg"};
@@ -401,6 +402,7 @@ static void test_paraxial(void) {
    and y are exchanged for the mask only, the image of light polarised along x
    changes. */
 static void test_turned(void) {
+  if (skip_sanitized()) return;
   eda_box other[3];
   for (int i = 0; i < 3; i++)
     other[i] =
