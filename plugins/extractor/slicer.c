@@ -35,6 +35,12 @@ int slicer_range(const void *self, int type, double *shortest,
   return 1;
 }
 
+double slicer_modelled(const void *self, int type, const char *flavour) {
+  const slicer *s = self;
+  const eda_curves *curves = eda_curves_of(&s->curves, flavour);
+  return curves ? eda_curves_modelled(curves, type) : 0;
+}
+
 size_t slicer_slicing(const void *self, const double **place,
                       const double **width) {
   const slicer *s = self;

@@ -57,3 +57,4 @@ void slicer_slice(const void *self, const eda_printed_gate *gate, double *place,
 int slicer_extract(const void *self, const eda_slices *in, eda_performance *out,
                    opc_error *error);
 int slicer_range(const void *self, int type, double *shortest, double *longest);
+double slicer_modelled(const void *self, int type, const char *flavour);

@@ -92,6 +92,10 @@ static void test_ends(void) {
   g_assert_cmpfloat(more->length[0], ==, 80);
   g_assert_cmpfloat(slope->length[0], ==, 80);
   for (int t = 0; t < 2; t++) {
+    /* The bins begin at 100 nm. */
+    g_assert_cmpfloat(cut->modelled[t], ==, 0);
+    g_assert_cmpfloat(more->modelled[t], ==, 100);
+    g_assert_cmpfloat(slope->modelled[t], ==, 100);
     for (size_t i = 0; i < cut->count; i++) {
       g_assert_cmpfloat(cut->ion[t][i], ==, more->ion[t][i + 2]);
       g_assert_cmpfloat(cut->ion[t][i], ==, slope->ion[t][i + 2]);

@@ -84,6 +84,16 @@ int table_extended(const plan *p, const currents *c, char *text,
   return *text != 0;
 }
 
+/* Return the shortest length, nm, at which a type was simulated within the bins
+   of its model; 0: all lengths of the table. */
+static double table_modelled(const plan *p, const currents *c, int type) {
+  eda_sizes bins = {{0}, {0}};
+  if (p->ends == EXTEND)
+    (void)eda_models_bins(p->models, p->model[type], &bins);
+  if (c->simulated[type]) return p->length[c->simulated[type]];
+  return p->length[c->first] < bins.length[0] - 1 ? bins.length[0] : 0;
+}
+
 static void put_bias(FILE *out, const char *key, const bias *b, double supply) {
   fprintf(out, "%s: \"", key);
   if (b->gate == supply && b->drain == supply)
@@ -144,6 +154,11 @@ static void put_table(FILE *out, const plan *p, const currents *c,
         "cgate: \"charge of the gate over Vgs = 0 to supply, by the supply, at "
         "Vds = supply\"\n",
         out);
+  for (int t = 0; t < TYPES; t++) {
+    double shortest = table_modelled(p, c, t);
+    if (shortest > 0)
+      fprintf(out, "%s_modelled: %.10g nm\n", types[t], shortest);
+  }
   fputs("length: {unit: nm, values: ", out);
   put_list(out, p->length + c->first, p->count - c->first, 0, 28);
   fputs("}\n", out);

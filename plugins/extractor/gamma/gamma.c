@@ -104,7 +104,8 @@ static const eda_extractor functions = {.prepare = gamma_prepare,
                                         .slicing = slicer_slicing,
                                         .extract = slicer_extract,
                                         .slice = slicer_slice,
-                                        .range = slicer_range};
+                                        .range = slicer_range,
+                                        .modelled = slicer_modelled};
 OPC_PLUGIN(state, .id = "extractor.gamma", .kind = "extractor",
            .version = "0.2.0", .licence = "BSD-3-Clause",
            .summary = "gate slicing with weights near the active edges",

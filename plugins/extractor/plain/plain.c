@@ -9,7 +9,8 @@ static const eda_extractor functions = {.prepare = slicer_prepare,
                                         .slicing = slicer_slicing,
                                         .extract = slicer_extract,
                                         .slice = slicer_slice,
-                                        .range = slicer_range};
+                                        .range = slicer_range,
+                                        .modelled = slicer_modelled};
 OPC_PLUGIN(
     slicer, .id = "extractor.plain", .kind = "extractor", .version = "0.2.0",
     .licence = "BSD-3-Clause",

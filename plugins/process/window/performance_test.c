@@ -44,8 +44,19 @@ static int length_extract(const void *self, const eda_slices *in,
   return OPC_OK;
 }
 
-static const eda_extractor devices = {
-    .prepare = no_devices, .slicing = in_the_middle, .extract = length_extract};
+/* Shortest lengths that the devices cover, of n and p. */
+static double modelled[2];
+
+static double modelled_from(const void *self, int type, const char *flavour) {
+  (void)self;
+  (void)flavour;
+  return modelled[type];
+}
+
+static const eda_extractor devices = {.prepare = no_devices,
+                                      .slicing = in_the_middle,
+                                      .extract = length_extract,
+                                      .modelled = modelled_from};
 static opc_module extractor = {&devices, NULL, "extractor.simple"};
 
 static void window_run(const char *mapping, const eda_litho *litho, lines *l) {
@@ -126,6 +137,37 @@ static void test_places(void) {
   assert_near(opc_test_metric("leakage_max"), leakage_max, 1e-3);
   g_assert_cmpfloat(opc_test_metric("transistors_failed_max"), ==, 0);
   g_assert_cmpfloat(opc_test_metric("outside_max"), ==, 0);
+}
+
+/* A larger dose prints shorter gates. At the nominal dose, the n-transistors
+   are shorter than their model covers, and the p-transistors are not. */
+static void test_short_slices(void) {
+  lines l;
+  double ils, length = length_at(0, 0, &ils);
+  lines_make(&l);
+  modelled[EDA_NMOS] = length + 0.1;
+  modelled[EDA_PMOS] = length - 0.1;
+  g_assert_cmpfloat(length_at(0, 3, &ils), <, length - 0.2);
+  g_assert_cmpfloat(length_at(0, -4, &ils), >, length + 0.2);
+  window_run("{ " LITHO ", " RESIST
+             ", dose: [-4 %, 0 %, 3 %], defocus: [0 nm] }",
+             &with_focus, &l);
+  g_autofree char *text = g_strdup_printf(
+      "2 of 4 slices, in 2 transistors, are shorter than the device model "
+      "covers: the shortest is %.1f nm long, its model begins at %g nm",
+      length, modelled[EDA_NMOS]);
+  g_assert_nonnull(strstr(opc_test_log(), text));
+  g_assert_cmpfloat(opc_test_metric("short_slices_max"), ==, 4);
+  window_run("{ " LITHO ", " RESIST
+             ", dose: [-4 %, 0 %, 200 %], defocus: [0 nm] }",
+             &with_focus, &l);
+  g_assert_cmpfloat(opc_test_metric("transistors_failed_max"), ==, GATES);
+  g_assert_cmpfloat(opc_test_metric("short_slices_max"), ==, 2);
+  modelled[EDA_NMOS] = modelled[EDA_PMOS] = 0;
+  window_run("{ " LITHO ", " RESIST ", dose: [0 %], defocus: [0 nm] }",
+             &with_focus, &l);
+  g_assert_null(strstr(opc_test_log(), "shorter than"));
+  g_assert_cmpfloat(opc_test_metric("short_slices_max"), ==, 0);
 }
 
 /* Return the area of doses from -8 % to 8 % and foci from -120 to 120 nm in
@@ -349,6 +391,7 @@ static void test_refused(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/performance/places", test_places);
+  g_test_add_func("/performance/short-slices", test_short_slices);
   g_test_add_func("/performance/area", test_area);
   g_test_add_func("/performance/between", test_between);
   g_test_add_func("/performance/mask-error", test_mask_error);

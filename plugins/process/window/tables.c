@@ -222,6 +222,25 @@ static int kept_table(const window *w, opc_error *error) {
   return code;
 }
 
+/* Log the transistors whose slices are shorter than the device model covers, at
+   the nominal condition. Return the largest number of such slices of all
+   conditions. */
+static double report_slices(const window *w) {
+  double most = 0;
+  for (size_t k = 0; k < w->focus.count * w->dose.count; k++)
+    most = fmax(most, w->print[k].short_slices);
+  const window_print *p = window_at(w, w->nominal_focus, w->nominal_dose);
+  if (p->short_gates > 0)
+    w->host->log(w->host, OPC_LOG_FINDING,
+                 "%.0f of %.0f slices, in %.0f transistors, are shorter than "
+                 "the device model covers: the shortest is %.1f nm long, its "
+                 "model begins at %g nm; currents of these slices are "
+                 "extrapolated",
+                 p->short_slices, p->slices, p->short_gates, p->shortest,
+                 p->modelled);
+  return most;
+}
+
 static int publish_currents(const window *w, opc_error *error) {
   double sd = 0, worst = 0, leakage = 0, failed = 0, outside = 0;
   for (size_t k = 0; k < w->focus.count * w->dose.count; k++) {
@@ -241,7 +260,8 @@ static int publish_currents(const window *w, opc_error *error) {
       {"ion_worst", worst},
       {"leakage_max", leakage},
       {"transistors_failed_max", failed},
-      {"outside_max", outside}};
+      {"outside_max", outside},
+      {"short_slices_max", report_slices(w)}};
   int code = performance_table(w, error);
   if (!code && w->dose.count > 1) code = kept_table(w, error);
   return code ? code : opc_put_metrics(w->host, OPC_ARRAY(values), error);

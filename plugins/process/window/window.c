@@ -177,6 +177,9 @@ static const opc_metric metrics[] = {
     {"outside_max", NULL, OPC_LOWER, 0,
      "number of transistors with results extrapolated beyond the device table, "
      "at the worst condition"},
+    {"short_slices_max", NULL, OPC_LOWER, 0,
+     "number of slices shorter than the device model covers, at the worst "
+     "condition"},
     {"meef_mean", NULL, OPC_LOWER, 0.01,
      "mean mask error factor: printed length per mask length"},
     {"meef_max", NULL, OPC_LOWER, 0.01,

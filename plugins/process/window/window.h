@@ -13,6 +13,10 @@ typedef struct window_print {
                          failed. Without an extractor, both are NULL */
   eda_spread_sums sums;
   eda_spread spread; /* spread of the currents, from `sums` */
+  /* Slices, and slices shorter than the device model covers, of all
+     transistors that print; transistors with such slices; the shortest slice,
+     nm, and the length that its model covers. */
+  double slices, short_slices, short_gates, shortest, modelled;
 } window_print;
 
 typedef struct window {

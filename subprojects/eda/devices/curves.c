@@ -256,6 +256,10 @@ double eda_curves_shortest(const eda_curves *c) {
   return c->devices->length[0];
 }
 
+double eda_curves_modelled(const eda_curves *c, int type) {
+  return fmax(c->devices->modelled[type], eda_curves_shortest(c));
+}
+
 double eda_curves_longest(const eda_curves *c) {
   return c->devices->length[c->devices->count - 1];
 }

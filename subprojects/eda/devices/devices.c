@@ -285,6 +285,10 @@ static void read_head(reader *r, const opc_node *root) {
       {"flavour", .text = &d->flavour, .optional = 1},
       {"supply", .unit = "V", .number = &d->supply},
       {"temperature", .unit = "C", .number = &ignored, .optional = 1},
+      {"nmos_modelled", .unit = "nm", .number = &d->modelled[EDA_NMOS],
+       .optional = 1},
+      {"pmos_modelled", .unit = "nm", .number = &d->modelled[EDA_PMOS],
+       .optional = 1},
       {"source", .optional = 1},
       {"extended", .optional = 1},
       {"ion", .optional = 1},
@@ -297,7 +301,7 @@ static void read_head(reader *r, const opc_node *root) {
       opc_wrong(r->problems, root, "missing '%s'", key);
     if (!node) continue;
     if (in)
-      read_number(r, node, key, NULL, in, !entries[i].optional,
+      read_number(r, node, key, NULL, in, strcmp(in, "C") != 0,
                   entries[i].number);
     else if (is_text(r, node, key, "a text", "") && entries[i].text)
       *entries[i].text = g_strdup(node->text);
@@ -313,7 +317,8 @@ static void read_table(reader *r, const opc_node *root) {
   }
   opc_node_check_keys(root,
                       "opcflow-devices|name|flavour|source|supply|temperature|"
-                      "width|length|ion|ioff|cgate|extended|nmos|pmos",
+                      "width|length|ion|ioff|cgate|extended|nmos|pmos|"
+                      "nmos_modelled|pmos_modelled",
                       "", r->problems);
   const opc_node *version = opc_node_get(root, version_key);
   if (version)

@@ -38,6 +38,21 @@ static void test_good(void) {
   eda_devices_free(NULL);
 }
 
+/* Test the shortest length of the model; that of the other type is unknown. */
+static void test_modelled(void) {
+  opc_error error;
+  g_autofree char *text = g_strconcat(good, "nmos_modelled: 50 nm\n", NULL);
+  eda_devices *d = table_load(text, &error);
+  g_assert_nonnull(d);
+  g_assert_true(d->modelled[EDA_NMOS] == 50 && d->modelled[EDA_PMOS] == 0);
+  eda_devices_free(d);
+  g_autofree char *zero = g_strconcat(good, "pmos_modelled: 0 nm\n", NULL);
+  g_assert_null(table_load(zero, &error));
+  g_assert_cmpstr(error.message, ==,
+                  "table.yaml:16:16: 'pmos_modelled' must be above 0 nm, found "
+                  "'0 nm'");
+}
+
 /* Two lengths, three widths. */
 static const char wide[] =
     "opcflow-devices: 1\nname: w\nsupply: 1 V\n"
@@ -328,6 +343,7 @@ int main(int argc, char **argv) {
   folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
   g_assert_cmpint(g_chdir(folder), ==, 0);
   g_test_add_func("/devices/good", test_good);
+  g_test_add_func("/devices/modelled", test_modelled);
   g_test_add_func("/devices/faults", test_faults);
   g_test_add_func("/devices/widths", test_widths);
   g_test_add_func("/devices/width-faults", test_width_faults);

@@ -97,6 +97,9 @@ OPC_EXPORT double eda_curves_least_share(const eda_curves *curves, int type,
 /* Return the shortest and the longest length of the table, nm. */
 OPC_EXPORT double eda_curves_shortest(const eda_curves *curves);
 OPC_EXPORT double eda_curves_longest(const eda_curves *curves);
+/* Return the shortest length that the model of a type covers, nm: at least the
+   shortest length of the table. */
+OPC_EXPORT double eda_curves_modelled(const eda_curves *curves, int type);
 /* Return the narrowest width of a table of several widths, nm; otherwise 0. */
 OPC_EXPORT double eda_curves_narrowest(const eda_curves *curves);
 

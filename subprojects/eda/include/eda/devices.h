@@ -33,6 +33,10 @@ typedef struct eda_devices {
      `narrow_cgate` for `narrow_width`, indexed as `narrow_ion`. NULL: the table
      has no capacitances. */
   double *cgate[2], *narrow_cgate[2];
+  /* Shortest length that the model of each type covers, nm; 0: the shortest
+     length of the table. Currents of shorter lengths are extrapolated. Since
+     0.9. */
+  double modelled[2];
 } eda_devices;
 
 /* Read all tables of a file (format: docs/reference/devices.md). Return the

@@ -71,6 +71,12 @@ typedef struct eda_extractor {
      which the figures of a transistor type are valid. Called after `prepare`.
      Return 1, or 0 if there are no limits. [any] */
   int (*range)(const void *self, int type, double *shortest, double *longest);
+
+  /* Optional; NULL: unknown. Return the shortest length, nm, that the device
+     model of a transistor type and flavour (NULL: none) covers; 0 if the
+     extractor has no data of the flavour. Currents of shorter slices are
+     extrapolated. Called after `prepare`. Since 0.9. [any] */
+  double (*modelled)(const void *self, int type, const char *flavour);
   OPC_MAY_GROW
 } eda_extractor;
 
