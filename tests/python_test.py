@@ -423,9 +423,10 @@ def test_wheel():
         version = re.search(r"version: '(.*?)'", f.read())[1]
     name = "opcflow-%s-py3-none-any.whl" % version
     with zipfile.ZipFile(name) as wheel:
-        modules = sorted(n for n in wheel.namelist() if n.startswith("opcflow/"))
+        modules = sorted(n for n in wheel.namelist() if n.endswith(".py"))
     installed = os.listdir(os.path.join(BUILD, "subprojects", "python", "opcflow"))
-    assert modules == sorted("opcflow/" + n for n in installed if n.endswith(".py")), modules
+    assert modules == sorted(["librelane_plugin_opcflow.py", *(
+        "opcflow/" + n for n in installed if n.endswith(".py"))]), modules
     subprocess.run(["python3", "-B", os.path.join(EXAMPLES, "pydpb_test.py")], check=True,
                    env=dict(os.environ, PYTHONPATH=os.path.abspath(name)),
                    stderr=subprocess.DEVNULL)
