@@ -317,6 +317,28 @@ static void test_masks(void) {
   eda_mask_free(second);
 }
 
+/* Free the masks before the step, as a flow does. The step must not use the
+   masks after its run; AddressSanitizer finds such a use. */
+static void test_masks_freed_first(void) {
+  opc_error error = {0};
+  eda_mask *masks[] = {mask_of_lines(), mask_of_lines()};
+  g_autofree char *path = sites_write(sites, GAUGES, 5, 0, 0, 2);
+  g_autofree char *text = g_strdup_printf(
+      "{ litho: { " LITHO
+      " }, gauges: '%s', margin: 1500 nm, "
+      "diffusion: [23 nm], defocus: [90 nm], starts: 1, folds: 0 }",
+      path);
+  opc_module *m = module_of("calibrate", text);
+  opc_test_input(m, "mask", masks[0]);
+  opc_test_input(m, "mask_2", masks[1]);
+  opc_test_forget();
+  if (opc_test_run(m, NULL, &error)) g_error("%s", error.message);
+  for (int i = 0; i < 2; i++) eda_mask_free(masks[i]);
+  opc_test_module_free(m);
+  g_assert_cmpfloat(fabs(figure_of("threshold", "value") - hidden[0]), <,
+                    4 * figure_of("threshold", "sd"));
+}
+
 static void test_refused(void) {
   static const struct {
     const char *row, *fault;
@@ -351,6 +373,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/calibrate/outliers", test_outliers);
   g_test_add_func("/calibrate/undetermined", test_undetermined);
   g_test_add_func("/calibrate/masks", test_masks);
+  g_test_add_func("/calibrate/masks-freed-first", test_masks_freed_first);
   g_test_add_func("/calibrate/refused", test_refused);
   int code = g_test_run();
   eda_mask_free(mask);

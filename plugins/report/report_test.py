@@ -365,6 +365,26 @@ def test_experiment(b, runs, folder):
     b.open(folder + '/page.html')
 
 
+def test_other_steps(b, runs, folder):
+    """Test the table of other steps: only figures that differ and have a direction."""
+    figures = {'margin': ('higher', 5, 7.25), 'equal': ('higher', 3, 3), 'any': ('neutral', 1, 2)}
+    copies = []
+    for k, name in enumerate(('one', 'two')):
+        copies.append(shutil.copytree(folder + '/' + name, folder + '/circuit-' + name))
+        metrics = json.load(open(copies[k] + '/metrics.json'))
+        metrics['circuit'] = {m: {'value': v[1 + k], 'unit': 'mV', 'better': v[0], 'tolerance': 0} for m, v in figures.items()}
+        json.dump(metrics, open(copies[k] + '/metrics.json', 'w'))
+    done = opcflow('report', *copies, '--output', folder + '/circuit.html')
+    expect(done.returncode, 0, done.stderr)
+    b.open(folder + '/circuit.html')
+    rows = b.value("""[...document.querySelectorAll('#summary table')].filter(t =>
+        t.caption.innerText.startsWith('Figures of other steps')).map(t => [...t.rows].map(r => [...r.cells].map(c => c.innerText.trim())))""")
+    expect(len(rows), 1, 'tables')
+    expect([r for r in rows[0] if r[0].startswith('circuit')], [['circuit.margin', 'mV', 'higher', '5', '7.25']], 'figures')
+    expect([r[0] for r in rows[0] if r[0].startswith(('mask', 'cost'))], [], 'figures of the correction')
+    b.open(folder + '/page.html')
+
+
 def test_few(b, runs, folder):
     """Test one transistor (no spread), no transistors, empty figures, and figures that are all 0."""
     def change(name, table, edit):

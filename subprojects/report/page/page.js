@@ -50,6 +50,21 @@ function metric_cell(run, name) {
   return el('td', {class: 'number', 'data-metric': name, 'data-value': m ? m.value : null}, number(m ? m.value : NaN));
 }
 
+/* Return a table of the metrics with a direction, of steps other than the correction and its
+   cost, that differ between a few runs of one case. */
+function other_steps() {
+  if (cases.length > 1 || runs.length < 2 || runs.length > 12) return null;
+  const step = name => name.split('.')[0];
+  const own = new Set(runs.flatMap(r => ['ion_mean', 'shots'].map(n => step(metric_named(r, n)))));
+  const all = Object.assign({}, ...runs.map(r => r.metrics)), value = (r, name) => (r.metrics[name] || {}).value;
+  const rows = Object.keys(all).filter(name => all[name].better !== 'neutral' && !own.has(step(name)) &&
+    new Set(runs.map(r => value(r, name))).size > 1);
+  if (!rows.length) return null;
+  return table('Figures of other steps that differ between the runs', [{name: 'figure', text: true, cell: name => name},
+    {name: 'unit', text: true, cell: name => all[name].unit || ''}, {name: 'better', text: true, cell: name => all[name].better},
+    ...runs.map(r => ({name: r.method, cell: name => metric_cell(r, name)}))], rows);
+}
+
 function summary() {
   const values = name => runs.map(r => r.metrics[metric_named(r, name)]).filter(m => m).map(m => m.value);
   const used = CHOSEN.filter(([name]) => values(name).some(v => v || !FAULTS.includes(name)));
@@ -63,7 +78,7 @@ function summary() {
   const pooled = cases.length > 1 ? by_method() : null;
   section('summary', 'Summary', notes(), verdicts(), pooled,
     pooled && runs.length > 24 ? el('details', null, el('summary', null, `Each of the ${runs.length} runs`), each) : each,
-    requirements(), findings());
+    other_steps(), requirements(), findings());
 }
 
 /* Return the verdicts on the pairs of methods as sentences, and a table of the changes. */
