@@ -11,10 +11,7 @@
 
 #include "variation.h"
 
-enum {
-  BLOCK = 64,  /* chips of a work unit */
-  TOGETHER = 4 /* chips whose sums of terms are computed together */
-};
+enum { TOGETHER = 4 }; /* chips whose sums of terms are computed together */
 
 /* ---- gates, LANES at a time ---- */
 
@@ -251,16 +248,40 @@ typedef struct sampling {
   moments *moments; /* [block * gates] */
 } sampling;
 
+/* Memory of a block of chips: terms of the surrogate, ln Ion of all gates, and
+   the input of delays_longest. */
+typedef struct block_memory {
+  double *work; /* [terms] */
+  float *some;  /* [TOGETHER * terms] */
+  float *ion;   /* [TOGETHER * gates] */
+  float *terms; /* [(tile * terms + term) * BLOCK + chip] */
+  float *edges; /* [gate * BLOCK + chip] */
+} block_memory;
+
+/* Keep the values that delays need of chip number k of the block. */
+static void keep_terms(const sampling *s, const block_memory *b, size_t tile,
+                       const float *terms, size_t k) {
+  size_t n = s->plan->terms;
+  for (size_t t = 0; t < n; t++)
+    b->terms[(tile * n + t) * BLOCK + k] = terms[t];
+}
+
+static void keep_edges(const block_memory *b, const lane_group *g,
+                       const float *before, const float *after, size_t k) {
+  for (size_t i = 0; i < g->used; i++)
+    b->edges[(size_t)g->gate[i] * BLOCK + k] = after[i] - before[i];
+}
+
 /* Sample TOGETHER chips from number `at` on. Chips beyond the last one are
    computed, but not stored. */
-static void sample_some(const sampling *s, size_t at, double *work,
-                        float *terms, moments *m, float *ion) {
+static void sample_some(const sampling *s, size_t at,
+                        const block_memory *memory, moments *m) {
   const plan *p = s->plan;
   const circuit *c = p->c;
   lane_sums sums[TOGETHER];
   uint64_t key[TOGETHER];
   float x[TOGETHER * SAMPLED * LANES], log[2 * LANES], current[2 * LANES];
-  float a[LANES], b[LANES];
+  float a[LANES], b[LANES], plain[LANES], *terms = memory->some;
   size_t tile = SIZE_MAX;
   for (size_t k = 0; k < TOGETHER; k++) {
     key[k] = normal_key(c->seed, s->stream[SOURCE_EDGES], s->first + at + k);
@@ -271,9 +292,11 @@ static void sample_some(const sampling *s, size_t at, double *work,
     const lane_group *group = &p->group[g];
     if (group->tile != tile) {
       tile = group->tile;
-      for (size_t k = 0; k < TOGETHER; k++)
-        chip_terms(c, s->stream, s->first + at + k, tile, work,
-                   terms + k * p->terms);
+      for (size_t k = 0; k < TOGETHER; k++) {
+        float *own = terms + k * p->terms;
+        chip_terms(c, s->stream, s->first + at + k, tile, memory->work, own);
+        if (c->delays) keep_terms(s, memory, tile, own, at % BLOCK + k);
+      }
     }
     sum_terms(p->terms, p->coefficient + g * p->terms * SAMPLED * LANES, terms,
               x);
@@ -281,17 +304,19 @@ static void sample_some(const sampling *s, size_t at, double *work,
       const float *one = x + k * SAMPLED * LANES;
       normal_pairs(key[k], (uint32_t)(g * LANES), a, b);
       group_curves(group, c->curves, one, log);
+      memcpy(plain, log, sizeof plain);
       group_edges(group, c->rough, one, a, b, log);
+      if (memory->edges) keep_edges(memory, group, plain, log, at % BLOCK + k);
       group_exp(log, current);
       sums_add(&sums[k], group, current);
       if (m && at + k < s->count)
-        moments_add(m, group, log, ion + k * c->gates);
+        moments_add(m, group, log, memory->ion + k * c->gates);
     }
   }
   for (size_t k = 0; m && k < TOGETHER && at + k < s->count; k++)
     for (size_t i = 0; i < c->gates; i++)
-      m[i].neighbour += (double)ion[k * c->gates + i] *
-                        (double)ion[k * c->gates + c->neighbour[i]];
+      m[i].neighbour += (double)memory->ion[k * c->gates + i] *
+                        (double)memory->ion[k * c->gates + c->neighbour[i]];
   for (size_t k = 0; k < TOGETHER && at + k < s->count; k++) {
     float least = INFINITY, most = 0, sum[3] = {0};
     for (int l = 0; l < LANES; l++) {
@@ -307,18 +332,33 @@ static void sample_some(const sampling *s, size_t at, double *work,
 
 static void sample_block(void *data, size_t block) {
   const sampling *s = data;
-  size_t terms = s->plan->terms;
-  double *work = eda_alloc(terms, sizeof *work);
-  float *some = eda_alloc(TOGETHER * terms, sizeof *some);
-  float *ion =
-      eda_alloc(s->moments ? TOGETHER * s->plan->c->gates : 0, sizeof *ion);
-  moments *m = s->moments ? s->moments + block * s->plan->c->gates : NULL;
-  size_t end = (block + 1) * BLOCK;
-  for (size_t at = block * BLOCK; at < end && at < s->count; at += TOGETHER)
-    sample_some(s, at, work, some, m, ion);
-  free(work);
-  free(some);
-  free(ion);
+  const circuit *c = s->plan->c;
+  size_t terms = s->plan->terms, first = block * BLOCK;
+  size_t count = s->count - first < BLOCK ? s->count - first : BLOCK;
+  block_memory b = {
+      eda_alloc(terms, sizeof *b.work),
+      eda_alloc(TOGETHER * terms, sizeof *b.some),
+      s->moments ? eda_alloc(TOGETHER * c->gates, sizeof *b.ion) : NULL, NULL,
+      NULL};
+  if (c->delays) b.terms = eda_alloc(c->tiles * terms * BLOCK, sizeof *b.terms);
+  if (c->delays || s->first + first < c->kept)
+    b.edges = eda_alloc(c->gates * BLOCK, sizeof *b.edges);
+  moments *m = s->moments ? s->moments + block * c->gates : NULL;
+  for (size_t at = first; at < first + count; at += TOGETHER)
+    sample_some(s, at, &b, m);
+  if (c->delays) {
+    float longest[BLOCK];
+    delays_longest(c->delays, b.terms, b.edges, longest);
+    memcpy(s->chip[CHIP_DELAY] + first, longest, count * sizeof *longest);
+  }
+  for (size_t k = 0; k < count && s->first + first + k < c->kept; k++)
+    for (size_t i = 0; i < c->gates; i++)
+      c->edges[(s->first + first + k) * c->gates + i] = b.edges[i * BLOCK + k];
+  free(b.work);
+  free(b.some);
+  free(b.ion);
+  free(b.terms);
+  free(b.edges);
 }
 
 /* Add the moments of all blocks, in their order. */

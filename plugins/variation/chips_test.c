@@ -61,6 +61,7 @@ typedef struct model {
   uint8_t type[GATES];
   uint32_t neighbour[GATES], tile_of[GATES];
   double ioff[GATES], length[GATES], nominal[GATES], mix[4];
+  double width[GATES], area[GATES];
   circuit c;
 } model;
 
@@ -80,6 +81,8 @@ static model *model_new(void) {
     m->neighbour[i] = (uint32_t)((i + 1) % GATES);
     m->ioff[i] = 1e-9 * (double)(1 + i);
     m->length[i] = m->nominal[i] = 65;
+    m->width[i] = 200;
+    m->area[i] = 200 * 65;
   }
   curves_share(&m->curves);
   g_assert_cmpuint(m->curves.kinds, ==, 1);
@@ -87,6 +90,8 @@ static model *model_new(void) {
                    .curves = &m->curves,
                    .rough = m->rough,
                    .drawn_length = m->length,
+                   .drawn_width = m->width,
+                   .drawn_area = m->area,
                    .nominal = m->nominal,
                    .gates = GATES,
                    .type = m->type,
@@ -203,6 +208,86 @@ static void test_quadratic(void) {
   assert_near(mean, -2 / 30.0, 0.002);
   assert_near(variance, (2 * 4 + 1) / 900.0, 0.0005);
   sample_free(s);
+  model_free(m);
+}
+
+/* Test the longest of two paths in two tiles against the larger sum over the
+   gates of derivative times ln of the size, with the sizes of the chip. Test
+   the mean and variance with line edges. */
+static void test_delays(void) {
+  enum { N = 20000 };
+  model *m = model_new();
+  static const uint32_t streams[SOURCES] = {0, 1, 2, 3, 4, 5, 6, 7};
+  set_term(m, LENGTH, term_of(&m->s, POLY_DOSE, 1, -1, 0), 1 * 4);
+  set_term(m, LENGTH, term_of(&m->s, POLY_FOCUS, 2, -1, 0), 0.05F * 16);
+  set_term(m, WIDTH, term_of(&m->s, ACTIVE_MASK, 1, -1, 0), 0.02F * 4);
+  set_term(m, AREA, term_of(&m->s, POLY_DOSE, 1, -1, 0), 0.01F * 4);
+  for (size_t i = 0; i < GATES; i++) m->tile_of[i] = i % 2;
+  m->c.tiles = 2;
+  m->c.tile_of = m->tile_of;
+  m->c.mix = m->mix;
+  m->mix[0] = 1, m->mix[2] = 0.6, m->mix[3] = 0.8;
+  m->c.field[POLY_DOSE] = 1 / variation_range;
+  double size[EDA_SIZES][GATES];
+  for (size_t i = 0; i < GATES; i++) {
+    size[EDA_SIZE_L][i] = 66;
+    size[EDA_SIZE_W][i] = 198;
+    size[EDA_SIZE_C][i] = 198 * 65.5;
+  }
+  eda_delay_term term[2][3] = {{{3, {40, -20, 10}}, {4, {30, 5, -2}}},
+                               {{7, {35, -10, 0}}, {8, {25, 1, 3}}, {9, {9}}}};
+  eda_delay_path path[2] = {{.delay = {70, 2, term[0]}},
+                            {.delay = {70.5, 3, term[1]}}};
+  eda_delays d = {
+      .size = {size[0], size[1], size[2]}, .paths = 2, .path = path};
+  delay_model paths;
+  delay_model_init(&paths, &m->c, &d);
+  m->c.delays = &paths;
+  sample *s = sample_new(m, N, NULL);
+  double *features = eda_alloc(m->s.terms, sizeof *features), most = 0;
+  for (uint64_t chip = 0; chip < 2000; chip++) {
+    double longest = 0;
+    for (int p = 0; p < 2; p++) {
+      double sum = path[p].delay.time;
+      for (size_t k = 0; k < path[p].delay.terms; k++) {
+        size_t i = term[p][k].gate;
+        double u[VARIABLES], by[EDA_SIZES];
+        for (int q = 0; q < EDA_SIZES; q++) by[q] = (double)term[p][k].by[q];
+        circuit_variables(&m->c, streams, chip, m->tile_of[i], u);
+        surrogate_features(&m->s, u, features);
+        double l = 65 + surrogate_at(&m->s, features, LENGTH, i);
+        double w = 200 * exp(surrogate_at(&m->s, features, WIDTH, i));
+        double a = 200 * 65 * exp(surrogate_at(&m->s, features, AREA, i));
+        sum += by[0] * log(l / 66) + by[1] * log(w / 198) +
+               by[2] * log(a / w / 65.5);
+      }
+      longest = fmax(longest, sum);
+    }
+    most = fmax(most, fabs(longest - (double)s->chip[CHIP_DELAY][chip]));
+  }
+  g_assert_cmpfloat(most, <, 0.05); /* third order of the logarithm */
+  statistics without = statistics_of(s->chip[CHIP_DELAY], N);
+  sample_free(s);
+  /* With one path, the variance of line edges is added. A change of ln Ion by x
+     is a change of ln L by -30 x / 65. */
+  delay_model_clear(&paths);
+  d.paths = 1;
+  path[0].delay.terms = 1;
+  delay_model_init(&paths, &m->c, &d);
+  s = sample_new(m, N, NULL);
+  without = statistics_of(s->chip[CHIP_DELAY], N);
+  sample_free(s);
+  for (size_t i = 0; i < (size_t)GATES * KNOTS; i++)
+    m->rough[i] = (roughness_effect){{0.02F, 0}, {0.1F, 0}, 0};
+  s = sample_new(m, N, NULL);
+  statistics with = statistics_of(s->chip[CHIP_DELAY], N);
+  double by = 40 * 30 / 65.0;
+  assert_near(with.mean - without.mean, -0.02 * by, 4 * 0.1 * by / sqrt(N));
+  assert_near(with.sigma, hypot(without.sigma, 0.1 * by),
+              4 * with.sigma / sqrt(2 * N));
+  sample_free(s);
+  delay_model_clear(&paths);
+  free(features);
   model_free(m);
 }
 
@@ -372,6 +457,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/chips/quadratic", test_quadratic);
   g_test_add_func("/chips/order", test_order);
   g_test_add_func("/chips/tiles", test_tiles);
+  g_test_add_func("/chips/delays", test_delays);
   g_test_add_func("/chips/shares", test_shares);
   g_test_add_func("/chips/statistics", test_statistics);
   g_test_add_func("/chips/fit", test_fit);

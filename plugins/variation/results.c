@@ -2,8 +2,10 @@
 /* Tables and metrics of `variation`: distributions, yield, shares of the
    variance by source, and statistics of each transistor. */
 #include <eda/memory.h>
+#include <inttypes.h>
 #include <math.h>
 #include <opcflow/table.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,9 +17,9 @@ enum { SHARE_CHIPS = 8192 };
 /* Chips for the mean and covariance of the terms of the surrogate. */
 enum { TERM_CHIPS = 4096 };
 
-enum { SHOWN = 3 }; /* CHIP_LEAKAGE, CHIP_ION_N, CHIP_ION_P */
-static const char *const figure_names[CHIP] = {"leakage", "ion_n", "ion_p",
-                                               "ion_least", "ion_most"};
+enum { SHOWN = 4 }; /* CHIP_LEAKAGE, CHIP_ION_N, CHIP_ION_P, CHIP_DELAY */
+static const char *const figure_names[CHIP] = {
+    "leakage", "ion_n", "ion_p", "delay", "ion_least", "ion_most"};
 const uint32_t variation_stream[SOURCES] = {0, 1, 2, 3, 4, 5, 6, 7};
 
 static int has_type(const variation *v, int type) {
@@ -29,6 +31,7 @@ static int has_type(const variation *v, int type) {
 /* Return 1 if a figure of chips exists. A circuit whose transistors have one
    type has no mean Ion of the other type. */
 static int has_figure(const variation *v, int k) {
+  if (k == CHIP_DELAY) return v->delays != NULL;
   if (k == CHIP_ION_N) return has_type(v, EDA_NMOS);
   return k != CHIP_ION_P || has_type(v, EDA_PMOS);
 }
@@ -63,7 +66,13 @@ static int put_error(const variation *v, opc_error *error) {
 
 /* ---- yield ---- */
 
-enum { LEAKAGE, SPEED, MATCH, ALL, LIMITS };
+enum { LEAKAGE, SPEED, MATCH, DELAY, ALL, LIMITS };
+
+/* Return the largest delay of a good chip, ps. */
+static double delay_limit(const variation *v) {
+  double drawn = v->delays ? v->delays->drawn : NAN;
+  return v->clock > 0 ? v->clock * 1e12 : drawn * (1 + v->delay_limit / 100);
+}
 
 static int chip_meets(const variation *v, size_t i, int limit) {
   double ion = 1 - v->speed_limit / 100, off = v->ion_limit / 100;
@@ -79,7 +88,7 @@ static int chip_meets(const variation *v, size_t i, int limit) {
       return (double)v->chip[CHIP_LEAST][i] >= 1 - off &&
              (double)v->chip[CHIP_MOST][i] <= 1 + off;
     default:
-      return 0;
+      return !v->delays || (double)v->chip[CHIP_DELAY][i] <= delay_limit(v);
   }
 }
 
@@ -101,6 +110,7 @@ static int put_yield(const variation *v, opc_error *error) {
   row r[LIMITS] = {{"leakage", "drawn", v->leakage_limit, 0, 0, 0},
                    {"speed", "%", v->speed_limit, 0, 0, 0},
                    {"every transistor", "%", v->ion_limit, 0, 0, 0},
+                   {"longest path", "ps", delay_limit(v), 0, 0, 0},
                    {"all", "", NAN, 0, 0, 0}};
   for (int k = 0; k < LIMITS; k++) {
     interval i = interval_of(good[k], n);
@@ -115,10 +125,16 @@ static int put_yield(const variation *v, opc_error *error) {
                                 {"low", "%", OPC_REAL, 3, &r->low},
                                 {"high", "%", OPC_REAL, 3, &r->high}};
   const opc_metric_value values[] = {
-      {"yield", r[ALL].yield},         {"yield_low", r[ALL].low},
-      {"yield_high", r[ALL].high},     {"yield_leakage", r[LEAKAGE].yield},
-      {"yield_speed", r[SPEED].yield}, {"yield_match", r[MATCH].yield}};
-  int code = opc_put_rows(v->host, "yield", OPC_TABLE_PRINT, LIMITS, sizeof *r,
+      {"yield", r[ALL].yield},
+      {"yield_low", r[ALL].low},
+      {"yield_high", r[ALL].high},
+      {"yield_leakage", r[LEAKAGE].yield},
+      {"yield_speed", r[SPEED].yield},
+      {"yield_match", r[MATCH].yield},
+      {v->delays ? "yield_delay" : NULL, r[DELAY].yield}};
+  size_t rows = LIMITS;
+  if (!v->delays) r[DELAY] = r[--rows];
+  int code = opc_put_rows(v->host, "yield", OPC_TABLE_PRINT, rows, sizeof *r,
                           OPC_ARRAY(columns), error);
   return code ? code : opc_put_metrics(v->host, OPC_ARRAY(values), error);
 }
@@ -132,7 +148,7 @@ static int put_distributions(variation *v, opc_error *error) {
   } row;
   row r[CHIP];
   size_t rows = 0;
-  double sigma[CHIP] = {0}, mean[CHIP] = {0}, high = 0;
+  double sigma[CHIP] = {0}, mean[CHIP] = {0}, high = 0, slow = 0;
   for (int k = 0; k < CHIP; k++) {
     if (!has_figure(v, k)) continue;
     r[rows] =
@@ -140,6 +156,7 @@ static int put_distributions(variation *v, opc_error *error) {
     sigma[k] = r[rows].s.sigma;
     mean[k] = r[rows].s.mean;
     if (k == CHIP_LEAKAGE) high = r[rows].s.quantile[QUANTILES - 2];
+    if (k == CHIP_DELAY) slow = r[rows].s.quantile[QUANTILES - 2];
     rows++;
   }
   const opc_column columns[] = {
@@ -158,6 +175,9 @@ static int put_distributions(variation *v, opc_error *error) {
       {"leakage_mean", mean[CHIP_LEAKAGE]},
       {"leakage_sigma", sigma[CHIP_LEAKAGE]},
       {"leakage_q99", high},
+      {v->delays ? "delay_mean" : NULL, mean[CHIP_DELAY]},
+      {v->delays ? "delay_sigma" : NULL, sigma[CHIP_DELAY]},
+      {v->delays ? "delay_q99" : NULL, slow},
       {mean[CHIP_ION_N] > 0 ? "ion_n_sigma" : NULL, 100 * sigma[CHIP_ION_N]},
       {mean[CHIP_ION_P] > 0 ? "ion_p_sigma" : NULL, 100 * sigma[CHIP_ION_P]}};
   int code = opc_put_rows(v->host, "distributions", OPC_TABLE_PRINT, rows,
@@ -226,10 +246,14 @@ static int put_shares(const variation *v, opc_error *error) {
       {"ion_n_total", NULL, OPC_REAL, 3, &r->of[1].total},
       {"ion_p", NULL, OPC_REAL, 3, &r->of[2].first},
       {"ion_p_error", NULL, OPC_REAL, 3, &r->of[2].first_error},
-      {"ion_p_total", NULL, OPC_REAL, 3, &r->of[2].total}};
+      {"ion_p_total", NULL, OPC_REAL, 3, &r->of[2].total},
+      {"delay", NULL, OPC_REAL, 3, &r->of[3].first},
+      {"delay_error", NULL, OPC_REAL, 3, &r->of[3].first_error},
+      {"delay_total", NULL, OPC_REAL, 3, &r->of[3].total}};
+  size_t shown = sizeof columns / sizeof *columns - (v->delays ? 0 : 3);
   if (!code)
     code = opc_put_rows(v->host, "sources", OPC_TABLE_PRINT, rows, sizeof *r,
-                        OPC_ARRAY(columns), error);
+                        columns, shown, error);
   free(work);
   free(a);
   return code;
@@ -237,12 +261,7 @@ static int put_shares(const variation *v, opc_error *error) {
 
 /* ---- transistors ---- */
 
-/* Mean and covariance of the terms of the surrogate. */
-typedef struct term_moments {
-  double *mean, *covariance; /* [terms], [terms * terms] */
-} term_moments;
-
-static void terms_sample(const variation *v, term_moments *m) {
+void terms_sample(const variation *v, term_moments *m) {
   size_t n = v->surrogate.terms;
   double *one = eda_alloc(n, sizeof *one), u[VARIABLES];
   m->mean = eda_alloc(n, sizeof *m->mean);
@@ -367,6 +386,98 @@ static int put_transistors(const variation *v, opc_error *error) {
   return code;
 }
 
+/* ---- single chips ---- */
+
+typedef struct chip_row {
+  char transistor[300];
+  const char *name;
+  double length, width, area, ion;
+} chip_row;
+
+/* Return the length at which the current equals that at `length` times
+   exp(change), by bisection of the falling curve. */
+static double length_with(const circuit *c, size_t gate, double length,
+                          double change) {
+  double low = c->curves->first, high = low;
+  high += c->curves->step * (double)(c->curves->count - 1);
+  double want = curves_at(c->curves, gate, ION, length) + change;
+  for (int i = 0; i < 50; i++) {
+    double middle = (low + high) / 2;
+    int more = curves_at(c->curves, gate, ION, middle) > want;
+    low = more ? middle : low;
+    high = more ? high : middle;
+  }
+  return (low + high) / 2;
+}
+
+static int put_chip(const variation *v, uint64_t chip, double *features,
+                    chip_row *r, opc_error *error) {
+  const eda_gates *g = v->gates;
+  const circuit *c = &v->circuit;
+  for (size_t i = 0; i < g->count; i++) {
+    double u[VARIABLES], figure[FIGURES];
+    circuit_variables(c, variation_stream, chip, c->tile_of ? c->tile_of[i] : 0,
+                      u);
+    surrogate_features(c->surrogate, u, features);
+    for (int k = 0; k < FIGURES; k++)
+      figure[k] = surrogate_at(c->surrogate, features, k, i);
+    double length = g->length[i] + figure[LENGTH];
+    double change = (double)c->edges[chip * g->count + i];
+    r[i].length = length_with(c, i, length, change);
+    r[i].width = g->width[i] * exp(figure[WIDTH]);
+    r[i].area = 100 * (v->design.area[i] * exp(figure[AREA]) /
+                           (g->length[i] * g->width[i]) -
+                       1);
+    r[i].ion = 100 * expm1(curves_at(c->curves, i, ION, length) +
+                           figure[WIDTH] + change);
+    snprintf(r[i].transistor, sizeof r->transistor, "%s:%u",
+             eda_gates_owner(g, i), (unsigned)g->number[i]);
+    r[i].name = r[i].transistor;
+  }
+  const opc_column columns[] = {{"transistor", NULL, OPC_TEXT, 0, &r->name},
+                                {"leq_ion", "nm", OPC_REAL, -1, &r->length},
+                                {"weq", "nm", OPC_REAL, -1, &r->width},
+                                {"area_after", "%", OPC_REAL, -1, &r->area},
+                                {"ion_after", "%", OPC_REAL, -1, &r->ion}};
+  char name[40];
+  snprintf(name, sizeof name, "chip%" PRIu64, chip + 1);
+  return opc_put_rows(v->host, name, 0, g->count, sizeof *r, OPC_ARRAY(columns),
+                      error);
+}
+
+/* Put the figures of the chips with tables, before the chips are sorted. */
+static int put_figures(const variation *v, opc_error *error) {
+  typedef struct row {
+    int64_t chip;
+    double figure[CHIP];
+  } row;
+  size_t n = (size_t)v->tables;
+  row *r = eda_alloc(n, sizeof *r);
+  opc_column columns[CHIP + 1] = {{"chip", NULL, OPC_INT, 0, &r->chip}};
+  for (int k = 0; k < CHIP; k++) {
+    for (size_t i = 0; i < n; i++) r[i].figure[k] = (double)v->chip[k][i];
+    columns[k + 1] =
+        (opc_column){figure_names[k], k == CHIP_DELAY ? "ps" : NULL, OPC_REAL,
+                     -1, &r->figure[k]};
+  }
+  for (size_t i = 0; i < n; i++) r[i].chip = (int64_t)i + 1;
+  int code = opc_put_rows(v->host, "chips", 0, n, sizeof *r, OPC_ARRAY(columns),
+                          error);
+  free(r);
+  return code;
+}
+
+int chips_report(const variation *v, opc_error *error) {
+  double *features = eda_alloc(v->surrogate.terms, sizeof *features);
+  chip_row *r = eda_alloc(v->gates->count, sizeof *r);
+  int code = v->tables ? put_figures(v, error) : OPC_OK;
+  for (uint64_t k = 0; k < (uint64_t)v->tables && !code; k++)
+    code = put_chip(v, k, features, r, error);
+  free(features);
+  free(r);
+  return code;
+}
+
 /* ---- all ---- */
 
 static void log_findings(const variation *v) {
@@ -389,11 +500,33 @@ static void log_findings(const variation *v) {
                  100 * (double)v->outside / all);
 }
 
+/* Largest deviation of the mean Ion of n or p, relative to drawn, at which the
+   linear delays of timing.paths were compared with their own model. */
+static const double ion_tested = 0.3;
+
+static void log_delays(const variation *v) {
+  size_t n = (size_t)v->chips, beyond = 0;
+  for (size_t i = 0; i < n; i++) {
+    double off = 0;
+    for (int k = CHIP_ION_N; k <= CHIP_ION_P; k++)
+      if (has_figure(v, k)) off = fmax(off, fabs((double)v->chip[k][i] - 1));
+    beyond += off > ion_tested;
+  }
+  if (v->delays && beyond)
+    v->host->log(v->host, OPC_LOG_FINDING,
+                 "the mean Ion of n or p deviates by more than %g %% in "
+                 "%.2g %% of the chips; their delays are extrapolated",
+                 100 * ion_tested, 100 * (double)beyond / (double)n);
+}
+
 int variation_report(variation *v, opc_error *error) {
   log_findings(v);
+  log_delays(v);
   int code = put_error(v, error);
+  if (!code) code = chips_report(v, error);
   if (!code) code = put_shares(v, error);
   if (!code) code = put_yield(v, error);
   if (!code) code = put_distributions(v, error);
-  return code ? code : put_transistors(v, error);
+  if (!code) code = put_transistors(v, error);
+  return code || !v->delays ? code : delays_report(v, error);
 }

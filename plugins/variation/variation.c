@@ -101,6 +101,8 @@ static void circuit_set(variation *v) {
   c->curves = &v->curves;
   c->rough = v->effect;
   c->drawn_length = v->gates->length;
+  c->drawn_width = v->gates->width;
+  c->drawn_area = v->design.area;
   c->nominal = v->nominal;
   v->neighbour = eda_alloc(v->gates->count, sizeof *v->neighbour);
   for (size_t i = 0; i < v->gates->count; i++)
@@ -115,6 +117,11 @@ static void circuit_set(variation *v) {
     c->global[i] = all > 0 ? global[i] / all : 0;
     c->field[i] = all > 0 ? field[i] / all : 0;
   }
+  c->kept = (uint64_t)v->tables;
+  c->edges = eda_alloc(c->kept * c->gates, sizeof *c->edges);
+  if (!v->delays) return;
+  delay_model_init(&v->delay_model, c, v->delays);
+  c->delays = &v->delay_model;
 }
 
 /* Sample all chips; the first ones also for the moments of transistors. */
@@ -143,10 +150,17 @@ static int variation_run(void *self, void **outputs, opc_error *error) {
   if (!v->gates->count)
     return opc_fail(error, OPC_INVALID, "mask",
                     "the layout has no transistors to measure");
+  if (v->delays && v->delays->gates != v->gates)
+    return opc_fail(error, OPC_INVALID, "delays",
+                    v->delays->gates
+                        ? "the delays and the mask belong to different gates"
+                        : "the delays have no transistors: give 'circuit' to "
+                          "the step that computes the delays");
   int code = variation_divide(v, error);
   if (!code) code = variation_respond(v, error);
-  circuit_set(v);
+  if (!code) circuit_set(v);
   if (!code) code = variation_sample(v, error);
+  v->circuit.kept = 0; /* other streams follow */
   if (!code) code = variation_report(v, error);
   return code ? code : variation_draw(v, error);
 }
@@ -216,6 +230,11 @@ static const opc_parameter parameters[] = {
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "100000",
                   .min = 1000, .max = 1e8,
                   .summary = "Number of sampled chips"),
+    OPC_PARAMETER(variation, tables, .type = OPC_INT,
+                  .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0", .min = 0,
+                  .max = 1000,
+                  .summary = "Number of chips with a table of all transistors "
+                             "(chip1.csv ...), for other steps"),
     OPC_PARAMETER(variation, seed, .type = OPC_INT, .preset = "1",
                   .summary = "Number that selects the sampled chips; masks "
                              "with equal seeds have equal conditions"),
@@ -226,6 +245,16 @@ static const opc_parameter parameters[] = {
             "p-transistors of a good chip"),
     ABOVE_0("ion_limit", ion_limit, "%", "30 %",
             "Largest |Ion deviation| of every transistor of a good chip"),
+    OPC_PARAMETER(variation, delays, .type = OPC_INPUT, .choices = "delays",
+                  .summary = "Delays of the circuit, for the longest path"),
+    ABOVE_0("delay_limit", delay_limit, "%", "10 %",
+            "Largest increase of the longest path of a good chip over drawn"),
+    SIGMA("clock", clock, "s", "0 s",
+          "Largest delay of the longest path of a good chip; 0: by "
+          "delay_limit"),
+    OPC_PARAMETER(variation, sdf, .type = OPC_OUTPUT,
+                  .summary = "SDF file with the delays of all arcs at -3, 0 "
+                             "and 3 standard deviations, with 'delays'"),
     OPC_PARAMETER(variation, file, .type = OPC_OUTPUT,
                   .preset = "variation.png",
                   .summary = "Picture of the distributions, .png, .svg or "
@@ -241,6 +270,14 @@ static const opc_metric metrics[] = {
     {"yield_leakage", "%", OPC_HIGHER, 0.1, "chips within leakage_limit"},
     {"yield_speed", "%", OPC_HIGHER, 0.1, "chips within speed_limit"},
     {"yield_match", "%", OPC_HIGHER, 0.1, "chips within ion_limit"},
+    {"yield_delay", "%", OPC_HIGHER, 0.1,
+     "chips whose longest path is within 'clock' or 'delay_limit'"},
+    {"delay_mean", "ps", OPC_LOWER, 0.01,
+     "mean over chips of the longest path"},
+    {"delay_sigma", "ps", OPC_LOWER, 0.01,
+     "standard deviation over chips of the longest path"},
+    {"delay_q99", "ps", OPC_LOWER, 0.01,
+     "delay that the longest path of 1 % of the chips exceeds"},
     {"leakage_mean", NULL, OPC_LOWER, 0.01,
      "mean over chips of total Ioff over drawn"},
     {"leakage_sigma", NULL, OPC_LOWER, 0.01,
@@ -277,6 +314,7 @@ static int variation_check(void *self, opc_error *error) {
     return opc_fail(error, OPC_INVALID, "dose",
                     "'dose' is %g %%, expected less than %g %%",
                     sigma[POLY_DOSE], 100 / variation_range);
+  if (v->tables > v->chips) v->tables = v->chips;
   int code = correct_settings_check(&v->with, v->host, error);
   return code ? code : eda_paper_check(v->file, "file", error);
 }
@@ -287,6 +325,8 @@ static void variation_clear(void *self) {
   eda_performance_clear(&v->design);
   for (int k = 0; k < CHIP; k++) free(v->chip[k]);
   free(v->moments);
+  free(v->circuit.edges);
+  delay_model_clear(&v->delay_model);
   free(v->effect);
   curves_clear(&v->curves);
   free(v->nominal);

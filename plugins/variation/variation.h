@@ -4,6 +4,7 @@
 #pragma once
 
 #include <correct/settings.h>
+#include <eda/delays.h>
 #include <eda/print.h>
 #include <opcflow/step.h>
 
@@ -164,10 +165,11 @@ typedef struct circuit {
   const opc_context *context;
   const surrogate *surrogate;
   const curves *curves;
-  const roughness_effect *rough; /* [gate * KNOTS + knot] */
-  const double *drawn_length;    /* nm, [gates] */
-  const double *nominal;         /* equivalent length of Ion without variation,
-                                    nm, [gates] */
+  const roughness_effect *rough;          /* [gate * KNOTS + knot] */
+  const double *drawn_length;             /* nm, [gates] */
+  const double *drawn_width, *drawn_area; /* the same, nm and nm^2 */
+  const double *nominal; /* equivalent length of Ion without variation,
+                            nm, [gates] */
   size_t gates;
   const uint8_t *type;
   const uint32_t *neighbour; /* [gates], the nearest other gate */
@@ -181,12 +183,26 @@ typedef struct circuit {
                               the field; NULL if `tiles` is 1 */
   const double *mix;       /* [tiles * tiles], lower triangle: the
                               Cholesky factor of the correlation */
+  const struct delay_model *delays; /* NULL: no delays */
+  uint64_t kept;                    /* chips whose line edges are kept */
+  float *edges; /* change of ln Ion by line edges, [chip * gates + gate] */
   uint64_t seed;
 } circuit;
 
-/* Figures of one chip: total Ioff over drawn, mean Ion of the n- and of the
-   p-transistors over drawn, and smallest and largest Ion over drawn. */
-enum { CHIP_LEAKAGE, CHIP_ION_N, CHIP_ION_P, CHIP_LEAST, CHIP_MOST, CHIP };
+/* Figures of one chip: total Ioff, and mean Ion of the n- and of the
+   p-transistors; delay of the longest path (ps); smallest and largest Ion. All
+   but the delay are relative to drawn. */
+enum {
+  CHIP_LEAKAGE,
+  CHIP_ION_N,
+  CHIP_ION_P,
+  CHIP_DELAY,
+  CHIP_LEAST,
+  CHIP_MOST,
+  CHIP
+};
+
+enum { BLOCK = 64 }; /* chips of a work unit */
 
 /* Sums over chips, for the moments of ln Ion and ln Ioff of a gate. */
 typedef struct moments {
@@ -204,6 +220,36 @@ void circuit_variables(const circuit *c, const uint32_t stream[SOURCES],
 int circuit_sample(const circuit *c, const uint32_t stream[SOURCES],
                    uint64_t first, size_t count, float *const chip[CHIP],
                    moments *moments, opc_error *error);
+
+/* ---- delays.c ---- */
+
+/* Delays of paths, ps: polynomials in the terms of the surrogate, by tile, and
+   the effect of a change of ln Ion of single gates by line edges. */
+typedef struct delay_model {
+  size_t paths, tiles, terms;
+  float *time;   /* at the sizes of eda_delays, [paths] */
+  float *global; /* [(path * tiles + tile) * terms + term] */
+  size_t *first; /* [paths + 1]: first element of a path in: */
+  uint32_t *gate;
+  float *local;
+} delay_model;
+
+void delay_model_init(delay_model *m, const circuit *c, const eda_delays *d);
+void delay_model_clear(delay_model *m);
+
+/* Compute the longest delay of BLOCK chips. `terms`: values of the terms,
+   [(tile * terms + term) * BLOCK + chip]; `edges`: change of ln Ion by line
+   edges, [gate * BLOCK + chip]. */
+void delays_longest(const delay_model *m, const float *terms,
+                    const float *edges, float *out);
+
+/* Add the coefficients of the change of a delay by the gates of a tile, ps, to
+   out[terms]. */
+void delay_global(const circuit *c, const eda_delays *d, const eda_delay *delay,
+                  size_t tile, double *out);
+/* Return the change of a delay, ps, for a change of ln Ion of the term's gate
+   by line edges. */
+double delay_local(const circuit *c, const eda_delay_term *term);
 
 /* ---- statistics.c ---- */
 
@@ -257,7 +303,7 @@ typedef struct variation {
   roughness rough;
   double ion_error, ioff_error, length_error;
   double leakage_limit, speed_limit, ion_limit;
-  int64_t chips, seed;
+  int64_t chips, seed, tables;
   const char *file;
   const eda_mask *mask; /* `given` with all transistors and shapes */
   const eda_gates *gates;
@@ -268,8 +314,12 @@ typedef struct variation {
   surrogate_error error; /* on points that were left out */
   size_t points, left_out, images[2];
   size_t open, failed, outside; /* measurements of transistors */
-  roughness_effect *effect;     /* [gate * KNOTS + knot] */
-  double *nominal;              /* as in circuit */
+  const eda_delays *delays;     /* parameter */
+  delay_model delay_model;
+  double clock, delay_limit; /* s; % */
+  const char *sdf;
+  roughness_effect *effect; /* [gate * KNOTS + knot] */
+  double *nominal;          /* as in circuit */
   circuit circuit;
   uint32_t *tile_of, *neighbour;
   double *mix;
@@ -289,7 +339,18 @@ extern const uint32_t variation_stream[SOURCES];
    effect and nominal. */
 int variation_respond(variation *v, opc_error *error);
 
-/* ---- results.c, histograms.c ---- */
+/* ---- results.c, histograms.c, delay_tables.c ---- */
+
+/* Mean and covariance of the terms of the surrogate; free both. */
+typedef struct term_moments {
+  double *mean, *covariance; /* [terms], [terms * terms] */
+} term_moments;
+void terms_sample(const variation *v, term_moments *m);
 
 int variation_report(variation *v, opc_error *error);
+/* Write the sizes of the transistors of each of the first circuit.kept chips as
+   a table. */
+int chips_report(const variation *v, opc_error *error);
+/* Report the paths, and write the SDF file. */
+int delays_report(const variation *v, opc_error *error);
 int variation_draw(const variation *v, opc_error *error);

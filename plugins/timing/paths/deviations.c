@@ -142,7 +142,7 @@ typedef struct row {
   spread by;
 } row;
 
-static double worst_path(const paths *p, const state *s) {
+double worst_path(const paths *p, const state *s) {
   eda_pool pool = {0};
   arrivals a = static_arrivals(&p->graph, s, p->at.slew, &pool);
   double worst = 0;
@@ -248,7 +248,8 @@ int delays_report(paths *p, const delays *d, opc_error *error) {
 
 /* ---- the histogram ---- */
 
-enum { BINS = 120 };
+/* Bins of a histogram, and the largest number of histograms in the picture. */
+enum { BINS = 120, PANELS = 50 };
 
 typedef struct histogram {
   const char *sizes;
@@ -316,6 +317,7 @@ int draw_histogram(const paths *p, const delays *d, const char *path,
                           OPC_ARRAY(columns), error);
   /* One chart for each set of sizes, stacked, with common axes. */
   const double panel = 150;
+  if (states > PANELS) states = PANELS;
   double height = 90 + panel * (double)states;
   eda_paper *paper = code ? NULL : eda_paper_open(path, 900, height, 14, error);
   if (paper) {

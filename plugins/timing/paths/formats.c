@@ -2,8 +2,9 @@
 /* Writes files for other programs: delays in SDF (IEEE 1497, version 3.0), the
    circuit in Verilog with module paths, a test bench, and the expected
    events. */
-#include <ctype.h>
+#include <eda/sdf.h>
 #include <errno.h>
+#include <glib.h>
 #include <math.h>
 #include <opcflow/table.h>
 #include <stdio.h>
@@ -22,66 +23,40 @@ static int close_file(FILE *out, const char *path, opc_error *error) {
   return opc_fail(error, OPC_IO, NULL, "'%.300s': %s", path, strerror(why));
 }
 
-/* Write a Verilog name, escaped if needed. */
-static void put_name(FILE *out, const char *name) {
-  const char *at = name;
-  int good = isalpha((unsigned char)*at) || *at == '_';
-  while (good && *++at) good = isalnum((unsigned char)*at) || *at == '_';
-  fprintf(out, good ? "%s" : "\\%s ", name);
-}
-
-/* Return the instance name without the leading letter of SPICE. */
-static const char *instance_of(const graph *g, const node *n) {
+const char *sdf_instance(const graph *g, const node *n) {
   const char *name = g->instance[n->instance];
   return name[0] && name[1] ? name + 1 : name;
 }
 
 /* ---- SDF ---- */
 
-static void put_delay(FILE *out, const double *one) {
-  if (isnan(one[MEAN]))
-    fputs(" ()", out);
-  else
-    fprintf(out, " (%.3f:%.3f:%.3f)", one[LEAST] / 1000, one[MEAN] / 1000,
-            one[LARGEST] / 1000);
-}
-
-static void put_paths(FILE *out, const node *n, const state *s) {
-  const eda_timing_cell *c = n->cell;
-  for (size_t i = 0; i < c->inputs; i++) {
-    const double *fall = one_delay(n, s, i, 0), *rise = one_delay(n, s, i, 1);
-    if (isnan(rise[MEAN]) && isnan(fall[MEAN])) continue;
-    fputs("      (IOPATH ", out);
-    put_name(out, c->pin[i]);
-    fputc(' ', out);
-    put_name(out, c->pin[c->inputs + n->output]);
-    put_delay(out, rise);
-    put_delay(out, fall);
-    fputs(")\n", out);
-  }
-}
-
 int write_sdf(const paths *p, const state *s, const char *path,
               opc_error *error) {
   const graph *g = &p->graph;
-  FILE *out = fopen(path, "wb");
-  if (!out) return close_file(out, path, error);
-  fprintf(out,
-          "(DELAYFILE\n  (SDFVERSION \"3.0\")\n  (DESIGN \"%s\")\n"
-          "  (PROGRAM \"opcflow timing.paths, sizes: %s\")\n"
-          "  (VOLTAGE %g)\n  (TEMPERATURE %g)\n"
-          "  (DIVIDER /)\n  (TIMESCALE 1 ps)\n",
-          g->name, s->name, p->timing->supply, p->timing->temperature);
+  g_autofree char *program =
+      g_strdup_printf("opcflow timing.paths, sizes: %s", s->name);
+  size_t most = 0, arcs = 0;
+  for (size_t i = 0; i < g->nodes; i++) most += g->node[i].cell->inputs;
+  eda_sdf_arc *all = eda_alloc(most, sizeof *all);
   for (size_t i = 0; i < g->nodes; i++) {
     const node *n = &g->node[i];
-    fprintf(out, "  (CELL (CELLTYPE \"%s\") (INSTANCE ", n->cell->name);
-    put_name(out, instance_of(g, n));
-    fputs(")\n    (DELAY (ABSOLUTE\n", out);
-    put_paths(out, n, s);
-    fputs("    ))\n  )\n", out);
+    const eda_timing_cell *c = n->cell;
+    for (size_t k = 0; k < c->inputs; k++) {
+      eda_sdf_arc a = {c->name,
+                       sdf_instance(g, n),
+                       c->pin[k],
+                       c->pin[c->inputs + n->output],
+                       {{0}}};
+      for (int rises = 0; rises < 2; rises++)
+        for (int kind = 0; kind < KINDS; kind++)
+          a.delay[rises][kind] = one_delay(n, s, k, rises)[kind] / 1000;
+      if (!isnan(a.delay[0][MEAN]) || !isnan(a.delay[1][MEAN])) all[arcs++] = a;
+    }
   }
-  fputs(")\n", out);
-  return close_file(out, path, error);
+  int code = eda_sdf_write(path, g->name, program, p->timing->supply,
+                           p->timing->temperature, arcs, all, error);
+  free(all);
+  return code;
 }
 
 /* ---- Verilog ---- */
@@ -89,7 +64,7 @@ int write_sdf(const paths *p, const state *s, const char *path,
 static void put_list(FILE *out, const eda_timing_cell *c) {
   for (size_t i = 0; i < c->inputs + c->outputs; i++) {
     fputs(i ? ", " : "", out);
-    put_name(out, c->pin[i]);
+    eda_verilog_name(out, c->pin[i]);
   }
 }
 
@@ -116,15 +91,15 @@ static void put_cell(FILE *out, const eda_timing_cell *c) {
   fputs(");\n", out);
   for (size_t i = 0; i < c->inputs + c->outputs; i++) {
     fprintf(out, "  %s ", i < c->inputs ? "input" : "output");
-    put_name(out, c->pin[i]);
+    eda_verilog_name(out, c->pin[i]);
     fputs(";\n", out);
   }
   for (size_t o = 0; o < c->outputs; o++) {
     fprintf(out, "  %s_f%zu f%zu (", c->name, o, o);
-    put_name(out, c->pin[c->inputs + o]);
+    eda_verilog_name(out, c->pin[c->inputs + o]);
     for (size_t i = 0; i < c->inputs; i++) {
       fputs(", ", out);
-      put_name(out, c->pin[i]);
+      eda_verilog_name(out, c->pin[i]);
     }
     fputs(");\n", out);
   }
@@ -132,9 +107,9 @@ static void put_cell(FILE *out, const eda_timing_cell *c) {
   for (size_t o = 0; o < c->outputs; o++)
     for (size_t i = 0; i < c->inputs; i++) {
       fputs("    (", out);
-      put_name(out, c->pin[i]);
+      eda_verilog_name(out, c->pin[i]);
       fputs(" => ", out);
-      put_name(out, c->pin[c->inputs + o]);
+      eda_verilog_name(out, c->pin[c->inputs + o]);
       fputs(") = (0, 0);\n", out);
     }
   fputs("  endspecify\nendmodule\n\n", out);
@@ -152,33 +127,33 @@ static void put_cells(FILE *out, const paths *p) {
 
 static void put_circuit(FILE *out, const graph *g) {
   fputs("module ", out);
-  put_name(out, g->name);
+  eda_verilog_name(out, g->name);
   fputs(" (", out);
   for (size_t i = 0; i < g->inputs + g->outputs; i++) {
     fputs(i ? ", " : "", out);
-    put_name(out,
-             g->net[i < g->inputs ? g->input[i] : g->output[i - g->inputs]]);
+    eda_verilog_name(
+        out, g->net[i < g->inputs ? g->input[i] : g->output[i - g->inputs]]);
   }
   fputs(");\n", out);
   for (size_t i = 0; i < g->inputs + g->outputs; i++) {
     fprintf(out, "  %s ", i < g->inputs ? "input" : "output");
-    put_name(out,
-             g->net[i < g->inputs ? g->input[i] : g->output[i - g->inputs]]);
+    eda_verilog_name(
+        out, g->net[i < g->inputs ? g->input[i] : g->output[i - g->inputs]]);
     fputs(";\n", out);
   }
   for (size_t i = 0; i < g->nodes; i++) {
     const node *n = &g->node[i];
     const eda_timing_cell *c = n->cell;
     if (n->output) continue;
-    put_name(out, c->name);
+    eda_verilog_name(out, c->name);
     fputc(' ', out);
-    put_name(out, instance_of(g, n));
+    eda_verilog_name(out, sdf_instance(g, n));
     fputs(" (", out);
     for (size_t k = 0; k < c->inputs + c->outputs; k++) {
       fputs(k ? ", ." : ".", out);
-      put_name(out, c->pin[k]);
+      eda_verilog_name(out, c->pin[k]);
       fputc('(', out);
-      put_name(out, g->net[n->in[k]]);
+      eda_verilog_name(out, g->net[n->in[k]]);
       fputc(')', out);
     }
     fputs(");\n", out);
@@ -211,7 +186,7 @@ static void put_bench(FILE *out, const paths *p) {
           "module bench;\n  reg [%zu:0] in;\n  wire [%zu:0] out;\n"
           "  integer pattern;\n  real start;\n  ",
           g->inputs - 1, g->outputs - 1);
-  put_name(out, g->name);
+  eda_verilog_name(out, g->name);
   fputs(" dut (", out);
   for (size_t i = 0; i < g->inputs; i++) fprintf(out, "in[%zu], ", i);
   for (size_t i = 0; i < g->outputs; i++)

@@ -2,8 +2,8 @@
 /* Implements timing.paths: delays from inputs to outputs of a circuit with
    drawn and printed transistors (thesis 3.3.3, 5.3.1), by event simulation with
    cells from timing.characterize. */
-#include "paths.h"
 #include "../parameters.h"
+#include "gradients.h"
 
 #include <eda/drawing.h>
 #include <glib.h>
@@ -41,7 +41,7 @@ static int paths_simulate(paths *p, opc_error *error) {
 
 static int paths_run(void *self, void **outputs, opc_error *error) {
   paths *p = self;
-  (void)outputs;
+  eda_delays *sensed = NULL;
   p->states = 0;
   if (!p->top) p->top = p->circuit ? p->circuit->name : NULL;
   int code = p->top ? graph_read(&p->graph, &p->pool, p->timing, p->file,
@@ -56,6 +56,8 @@ static int paths_run(void *self, void **outputs, opc_error *error) {
   if (!code) code = paths_simulate(p, error);
   if (!code) code = write_files(p, error);
   if (!code && p->spice) code = compare_with_spice(p, error);
+  if (!code) code = delays_differentiate(p, &sensed, error);
+  outputs[0] = sensed;
   for (size_t s = 0; s < p->states; s++) state_clear(&p->state[s]);
   eda_pool_clear(&p->pool);
   return code;
@@ -140,6 +142,9 @@ static const opc_metric metrics[] = {
     FIGURE("shortest", "%", "deviation of the smallest delay"),
     FIGURE("static_deviation", "%", "deviation of the static latest arrival"),
     FIGURE("spice_delays", NULL, "number of delays simulated by ngspice"),
+    FIGURE("critical_paths", NULL, "number of paths in the output"),
+    FIGURE("critical_coverage", "%",
+           "random circuits whose longest path is in the output"),
     COST("spice_error", "%",
          "root mean square error of delays as drawn against ngspice"),
     COST("spice_error_max", "%",
@@ -162,7 +167,9 @@ static int paths_check(void *self, opc_error *error) {
 
 /* Results of the step are not stored, because the netlist may include other
    files and ngspice is another program. */
-static const opc_step functions = {.run = paths_run, .flags = OPC_STEP_OUTSIDE};
+static const opc_port outputs[] = {EDA_PORT_DELAYS("delays")};
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = paths_run,
+                                   .flags = OPC_STEP_OUTSIDE};
 OPC_PLUGIN(paths, .id = "timing.paths", .kind = "step", .version = "0.2.0",
            .licence = "BSD-3-Clause",
            .summary = "path delays of a circuit as drawn and as printed",

@@ -143,11 +143,15 @@ typedef struct spread {
   double longest, shortest;           /* deviation of the longest and of the
                                          shortest delay */
 } spread;
+/* Return the latest arrival of static timing analysis at an output, ps. */
+double worst_path(const paths *p, const state *s);
 int delays_report(paths *p, const delays *d, opc_error *error);
 int draw_histogram(const paths *p, const delays *d, const char *path,
                    opc_error *error);
 
 /* ---- formats.c ---- */
+/* Return the name of a node's instance without the leading letter of SPICE. */
+const char *sdf_instance(const graph *g, const node *n);
 int write_sdf(const paths *p, const state *s, const char *path,
               opc_error *error);
 int write_verilog(const paths *p, const char *path, opc_error *error);

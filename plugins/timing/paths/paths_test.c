@@ -256,6 +256,106 @@ static void test_together(void) {
   eda_timing_free(t);
 }
 
+/* Run a circuit in which XU1 has printed sizes, and return the latest static
+   arrival, ps. */
+static double printed_static(eda_timing *t, const eda_circuit *circuit,
+                             const eda_mask *mask) {
+  opc_error error;
+  assert_good(run_paths(t, "a b y z",
+                        "XU0 a n VDD VSS INV\nXU1 n m VDD VSS INV\n"
+                        "XU2 m z VDD VSS INV\nXU3 m b y VDD VSS NAND2\n",
+                        ", slew: 8 ps, load: 4 fF", circuit, mask, &error),
+              &error);
+  return opc_test_number("paths", "static", 1);
+}
+
+/* Test the derivatives of the longest path against runs with changed printed
+   sizes. The sizes of XU1 change its own delay and slew, and the load of XU0;
+   the slews of XU1 change the delay of the next gate. */
+static void test_derivatives(void) {
+  eda_circuit circuit;
+  const eda_mask *mask = printed("m", &circuit);
+  eda_timing *t = library();
+  eda_timing_cell *c = &t->cell[0];
+  for (size_t k = 0; k < 2 * 18; k++) {
+    c->arc[k / 18].delay_by[k % 18] = 1e-12 * (double)(k % 7 + 1);
+    c->arc[k / 18].slew_by[k % 18] = -2e-12 * (double)(k % 5 + 1);
+  }
+  for (size_t k = 0; k < 4 * 6; k++)
+    c->capacitance_by[k] = 1e-16 * (double)(k % 6 + 1);
+  memcpy(leq, (double[]){62, 59}, sizeof leq);
+  memcpy(weq, (double[]){205, 290}, sizeof weq);
+  memcpy(area, (double[]){61 * 205, 60 * 290}, sizeof area);
+  double *size[EDA_SIZES] = {leq, weq, area};
+  double at = printed_static(t, &circuit, mask);
+  g_assert_cmpuint(sensed->paths, >=, 4);
+  close_to(sensed->drawn, opc_test_metric("static"), 1e-9);
+  const eda_delay_path *path = &sensed->path[0];
+  close_to(path->delay.time, at, 1e-9);
+  g_assert_cmpstr(path->from, ==, "a");
+  g_assert_cmpuint(path->delay.terms, ==, 2);
+  eda_delay_term term[2];
+  memcpy(term, path->delay.term, sizeof term);
+  for (size_t i = 0; i < 2; i++)
+    for (int k = 0; k < EDA_SIZES; k++)
+      close_to(sensed->size[k][i], size[k][i], 1e-9);
+  for (size_t i = 0; i < 2; i++)
+    for (int k = 0; k < EDA_SIZES; k++) {
+      const double step = 1e-3;
+      g_assert_cmpuint(term[i].gate, ==, i);
+      double was = size[k][i], wide = area[i];
+      size[k][i] *= exp(step);
+      /* The third size is the mean length: the area over the width. */
+      if (k == EDA_SIZE_W) area[i] *= exp(step);
+      double by = (printed_static(t, &circuit, mask) - at) / step;
+      g_assert_cmpfloat(fabs(by), >, 0.1);
+      close_to((double)term[i].by[k], by, 2e-3 * fabs(by));
+      size[k][i] = was;
+      area[i] = wide;
+    }
+  /* The arcs have the mean delay over the patterns, as in the SDF file. */
+  printed_static(t, &circuit, mask);
+  double sum = 0;
+  for (size_t i = 0; i < sensed->arcs; i++)
+    if (!strcmp(sensed->arc[i].instance, "U1") && sensed->arc[i].rises)
+      sum += sensed->arc[i].delay.time;
+  g_autofree char *file =
+      g_build_filename(opc_test_folder(), "top.printed.sdf", NULL);
+  g_autofree char *text = NULL;
+  g_assert_true(g_file_get_contents(file, &text, NULL, NULL));
+  const char *own = strstr(strstr(text, "(INSTANCE U1)"), "IOPATH");
+  close_to(sum, atof(strchr(own, ':') + 1), 6e-4);
+  eda_timing_free(t);
+}
+
+/* Test that two parallel branches of nearly equal delay are both paths of the
+   output. */
+static void test_critical(void) {
+  opc_error error;
+  eda_circuit circuit;
+  const eda_mask *mask = printed("m", &circuit);
+  memcpy(leq, (double[]){60, 60}, sizeof leq);
+  memcpy(weq, (double[]){200, 300}, sizeof weq);
+  memcpy(area, (double[]){60 * 200, 60 * 300}, sizeof area);
+  eda_timing *t = library();
+  assert_good(run_paths(t, "a b z",
+                        "XU1 a m VDD VSS INV\nXU2 b n VDD VSS INV\n"
+                        "XU3 m n z VDD VSS NAND2\n",
+                        ", slew: 8 ps, load: 4 fF", &circuit, mask, &error),
+              &error);
+  int from[2] = {0, 0};
+  for (size_t i = 0; i < sensed->paths; i++) {
+    const eda_delay_path *p = &sensed->path[i];
+    g_assert_cmpstr(p->to, ==, "z");
+    if (i) g_assert_cmpfloat(p->delay.time, <=, p[-1].delay.time);
+    from[!strcmp(p->from, "b")]++;
+  }
+  g_assert_cmpint(from[0], >, 0);
+  g_assert_cmpint(from[1], >, 0);
+  close_to(opc_test_metric("critical_coverage"), 100, 0);
+  eda_timing_free(t);
+}
+
 static void refused_with(const char *ports, const char *instances,
                          const char *more, const char *words) {
   opc_error error;
@@ -295,6 +395,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/paths/printed", test_printed);
   g_test_add_func("/paths/others", test_others);
   g_test_add_func("/paths/together", test_together);
+  g_test_add_func("/paths/derivatives", test_derivatives);
+  g_test_add_func("/paths/critical", test_critical);
   g_test_add_func("/paths/refused", test_refused);
   return g_test_run();
 }

@@ -8,6 +8,7 @@
 #include <eda/circuit.h>
 #include <eda/csv.h>
 #include <eda/curves.h>
+#include <eda/delays.h>
 #include <eda/devices.h>
 #include <eda/experiment.h>
 #include <eda/extractor.h>
@@ -30,6 +31,7 @@
 #include <eda/resist.h>
 #include <eda/rules.h>
 #include <eda/runs.h>
+#include <eda/sdf.h>
 #include <eda/segment.h>
 #include <eda/settings.h>
 #include <eda/simd.h>
