@@ -101,7 +101,9 @@ typedef struct resist_base {
   OPC_PARAMETER(                                                       \
       resist_base, diffusion, .type = OPC_REAL, .flags = OPC_AT_LEAST, \
       .unit = "nm", .preset = "0 nm", .min = 0,                        \
-      .summary = "standard deviation of the Gaussian that blurs the image")
+      .summary =                                                       \
+          "standard deviation of the Gaussian that blurs the image; "  \
+          "0: no diffusion, although every resist has some")
 
 #define RESIST_POLY "poly and layers after active"
 

@@ -32,10 +32,13 @@ static int threshold_prepare(void *self, const opc_module *litho,
   }
   static const char *const side[] = {"below", "above"};
   const resist_layer *layer = r->base.layer;
-  r->base.host->log(r->base.host, OPC_LOG_INFO,
-                    "resist.threshold: poly prints %s %.4f, active %s %.4f",
-                    side[layer[0].bright], r->threshold[0],
-                    side[layer[1].bright], r->threshold[1]);
+  r->base.host->log(
+      r->base.host, OPC_LOG_INFO,
+      "resist.threshold: poly prints %s %.4f, active %s %.4f, "
+      "diffusion %g nm%s",
+      side[layer[0].bright], r->threshold[0], side[layer[1].bright],
+      r->threshold[1], r->base.diffusion,
+      r->base.diffusion > 0 ? "" : ", although resists have some");
   return OPC_OK;
 }
 
