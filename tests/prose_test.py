@@ -67,6 +67,11 @@ CASES = [
       (4, "'tells'"), (7, "'lies'")]),
     ("Markdown: a line of 101 columns", "a.md", "%s\n\n%s\n" % ("ab " * 33 + "ab", "ab " * 32 + "abcd"),
      [(1, "line of 101 columns"), (1, "sentence of 34 words"), (3, "sentence of 33 words")]),
+    ("declarations without a comment", "a.h",
+     "#define A(x) \\\n  f(x)\n/* A point. */\ntypedef struct a {\n  int x;\n} a;\n\nint b(a p,\n      int q);\n\n"
+     "enum { C };\ntypedef struct d d; /* a type */\n\n/* Sort.\n   Fast. */\nvoid e(void);\nint *f(void);\n\n"
+     "OPC_UNUSED static inline int g(int x) {\n  return f(x);\n}\nstruct h {\n  int y;\n};\n",
+     [(8, "'b' has no comment"), (11, "'enum' has no comment"), (19, "'g' has"), (22, "'h' has")]),
     ("Markdown: a long address", "a.md", "See [the page](%s).\n" % ("x" * 100), []),
 ]
 
