@@ -6,6 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Pass the bytes to the parser; return 0. The parser must report any text that
+   is not valid as an error. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 /* Return the path of a file in memory with this content. Each of the two

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Bindings. A binding connects a plugin with a map in a flow. The binding holds
-   the checked values of the parameters, the instance of the plugin, and the
-   bindings of the plugins in its slots. */
+/* Bindings. A binding connects a plugin with the map of a flow that sets its
+   parameters. The binding holds the checked values of the parameters, the
+   instance of the plugin, and the bindings of the plugins in its slots. */
 #pragma once
 
 #include <opcflow/inner.h>
@@ -19,6 +19,7 @@ typedef struct opc_nested {
   void (*free)(opc_inner *inner);
 } opc_nested;
 
+/* A binding. */
 typedef struct opc_binding opc_binding;
 struct opc_binding {
   const opc_plugin *plugin;
@@ -42,6 +43,7 @@ struct opc_binding {
                               if results are not stored */
 };
 
+/* Flags of opc_bind. */
 enum {
   OPC_BIND_NO_INPUTS = 1 << 0, /* a required OPC_INPUT may be missing */
   OPC_BIND_NO_FILES = 1 << 1,  /* a required OPC_FILE may be missing */

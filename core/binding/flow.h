@@ -6,6 +6,7 @@
 #include "core/binding/binding.h"
 #include "core/binding/sweep.h"
 
+/* A step of a flow. */
 typedef struct opc_flow_step opc_flow_step;
 
 /* A resolved reference: the parameter receives output `port` of the step
@@ -18,6 +19,7 @@ typedef struct opc_flow_input {
   size_t port;
 } opc_flow_input;
 
+/* Members of a step. */
 struct opc_flow_step {
   const char *name;
   const opc_node *key;
@@ -39,6 +41,7 @@ typedef struct opc_requirement {
   char *text;         /* "at most 1 %" */
 } opc_requirement;
 
+/* A flow. */
 typedef struct opc_flow opc_flow;
 struct opc_flow {
   char *name;

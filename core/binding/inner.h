@@ -9,6 +9,7 @@
 
 typedef struct opc_inner_runs opc_inner_runs; /* run/inner_run.h */
 
+/* An inner flow. */
 struct opc_inner {
   const opc_binding *binding; /* binding of the step */
   opc_recipe *recipe;

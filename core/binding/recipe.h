@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A flow file merged with the chain of files that it extends: unchecked steps,
-   variants and sweep. */
+/* Recipes. A recipe is a flow file merged with the chain of files that it
+   extends: unchecked steps, variants and sweep. flow.h makes a flow of a recipe
+   and choices of variant, point and values. */
 #pragma once
 
 #include <base/node.h>
 
+/* A merged flow file. */
 typedef struct opc_recipe {
   char *path;               /* as passed to opc_recipe_read */
   char *name, *description; /* name and description in the first file;

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The grid of a sweep: all combinations of the values of the axes. */
+/* The grid of a sweep: all combinations of the values of the axes. An axis is a
+   parameter with a list of values, or a list of layers of changes
+   (opcflow/inner.h); a combination is a point. */
 #pragma once
 
 #include <opcflow/inner.h>
@@ -18,6 +20,7 @@ typedef struct opc_axis {
                         the names of the layers */
 } opc_axis;
 
+/* All axes of a sweep. */
 typedef struct opc_sweep {
   GPtrArray *axes; /* opc_axis * */
   size_t points;   /* 1 without axes */

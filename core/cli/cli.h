@@ -11,6 +11,7 @@
 #include "core/plugin/registry.h"
 #include "core/report/table.h"
 
+/* Exit codes. */
 enum {
   CLI_GOOD = 0,
   CLI_LIMIT = 1,    /* a limit or comparison failed */
@@ -26,6 +27,7 @@ int cli_exit_code(int code);
 
 /* ---- verbs ---- */
 
+/* A verb, the first word of a command line: "run", "check". */
 typedef struct cli_verb cli_verb;
 struct cli_verb {
   const char *name;
@@ -111,6 +113,7 @@ extern const cli_option cli_common_options[];
    has been handled. */
 int cli_parse(const cli_verb *verb, guint n, char **words, GPtrArray *rest);
 
+/* Print the help text of a verb. */
 void cli_print_help(const cli_verb *verb);
 
 /* Return the flow of a verb: the first argument, or flow.yaml if the current

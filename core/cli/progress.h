@@ -6,13 +6,14 @@
 
 #include "core/plugin/host.h"
 
+/* State of the progress line. */
 typedef struct cli_progress {
   gboolean shown; /* print the progress line */
   gboolean steps; /* print a line for each step of a second or more */
   int level;      /* lowest OPC_LOG_* level printed */
   GMutex lock;
-  char *step;
-  size_t number, count;
+  char *step;           /* name of the running step */
+  size_t number, count; /* number of the step from 1; number of steps */
   size_t point, points; /* point and points of a sweep, or 0 */
   gint64 began, last;   /* start of the step; time of the last line; us */
 } cli_progress;

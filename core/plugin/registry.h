@@ -20,6 +20,7 @@ typedef struct opc_candidate {
       *summary; /* texts of the descriptor; NULL if not usable */
 } opc_candidate;
 
+/* The plugin folders, and the plugins loaded so far. */
 typedef struct opc_registry opc_registry;
 
 /* Return a registry (opc_registry_free). The search order is: `folders` (of

@@ -6,5 +6,7 @@
 
 #include "core/report/table.h"
 
+/* Return a metric with its value, or a table with its columns and rows
+   (json_node_unref). */
 JsonNode *opc_metric_json(const opc_metric *metric, double value);
 JsonNode *opc_table_json(const opc_table *table);

@@ -10,6 +10,7 @@
 #include "core/report/judge.h"
 #include "core/report/table.h"
 
+/* Outcome of a run. */
 typedef struct opc_outcome {
   char *folder;  /* run folder; NULL if no files were kept */
   char *failure; /* why a step failed; NULL if no step failed */
@@ -55,4 +56,5 @@ typedef struct opc_manifest {
   const char *const *command; /* may be NULL */
 } opc_manifest;
 
+/* Return manifest.json (json_node_unref). */
 JsonNode *opc_manifest_json(const opc_manifest *manifest);

@@ -5,6 +5,7 @@
 #include <glib.h>
 #include <opcflow/plugin.h>
 
+/* A table. */
 typedef struct opc_table {
   char *name, *step; /* `step`: publishing instance; may be NULL */
   uint32_t flags;    /* OPC_TABLE_PRINT */

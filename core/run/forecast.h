@@ -4,6 +4,7 @@
 
 #include "core/run/run.h"
 
+/* Forecast of a step. */
 typedef struct opc_outlook {
   char *step; /* name (g_free) */
   opc_forecast forecast;

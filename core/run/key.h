@@ -15,6 +15,7 @@ enum {
   OPC_FACT_INNER = 'i'      /* flow that the step runs */
 };
 
+/* Key of a step. */
 typedef struct opc_key {
   char *sum;        /* the key; NULL if the result is not stored */
   char *why;        /* reason why the result is not stored */
@@ -22,6 +23,7 @@ typedef struct opc_key {
   GPtrArray *files; /* path, checksum, path ...: of the files read */
 } opc_key;
 
+/* Free the key and clear the struct. */
 void opc_key_clear(opc_key *key);
 
 /* Return whether all files of the key still have the same checksums. A file may

@@ -10,6 +10,7 @@
 
 #include "core/run/run.h"
 
+/* Runs of all levels. */
 typedef struct opc_levels {
   const opc_recipe *recipe;
   opc_choice choice; /* changes to the recipe, with the sweep */

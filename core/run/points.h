@@ -5,6 +5,7 @@
 
 #include "core/run/levels.h"
 
+/* Runs of all points. */
 typedef struct opc_points {
   opc_run *trunk; /* owns the folder and the table */
   opc_levels levels;

@@ -10,6 +10,7 @@
 #include "core/report/outcome.h"
 #include "core/run/key.h"
 
+/* Options of a run. */
 typedef struct opc_run_options {
   const char *output; /* if NULL, runs/NAME or the first free NAME-2 ... */
   gboolean force;     /* replace an earlier run */
@@ -63,6 +64,7 @@ typedef struct opc_kept {
                            here (matched by name), or NULL */
 } opc_kept;
 
+/* A run. */
 typedef struct opc_run opc_run;
 struct opc_run {
   opc_flow *flow, *own; /* `own`: `flow` if the run owns it, else NULL */

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Service "opcflow.inner/1": a step runs another flow, the inner flow, at the
-   points of a sweep or at combinations of layers.
+   points of a sweep or at combinations of layers. A sweep runs a flow for all
+   combinations of the values of its axes; each combination is a point.
 
    A step has an inner flow if a parameter of the type OPC_FILE carries
    OPC_INNER_FLOW and names a flow file. A step of an inner flow may have an
    inner flow of its own, but no deeper nesting is possible. The optional
    parameters `variant` (OPC_TEXT), `set` and `sweep` (OPC_MAP with
-   OPC_MAP_OF_ANY) of the step change that flow. Before the step's own `check`,
-   the host reads the inner flow, creates its plugins and checks them at each
-   swept value.
+   OPC_MAP_OF_ANY) of the step change that flow. Before the host calls `check`
+   of the step (opc_plugin.check), it reads the inner flow, creates its plugins
+   and checks them at each swept value.
 
    A parameter with OPC_INNER_AXIS is an axis whose values are layers. A layer
    is a set of changes to the inner flow: a variant, or a map of paths and
@@ -35,9 +36,9 @@ OPC_C_BEGIN
 
 /* A swept parameter. Valid until the instance is cleared. */
 typedef struct opc_inner_axis {
-  const char *path; /* "mask.synthesizer.fragment" */
-  const char *unit; /* NULL for plain numbers and texts */
-  size_t count;
+  const char *path;     /* "mask.synthesizer.fragment" */
+  const char *unit;     /* NULL for plain numbers and texts */
+  size_t count;         /* number of values */
   const double *values; /* in `unit`; NULL if the values are not numbers of one
                            unit */
   const char *const
@@ -51,8 +52,8 @@ typedef struct opc_inner_axis {
 /* The value of a metric after a run. */
 typedef struct opc_inner_metric {
   const char *path; /* path of the instance: "mask", "mask.synthesizer" */
-  const opc_metric *metric;
-  double value;
+  const opc_metric *metric; /* declaration of the metric */
+  double value;             /* in the unit of the declaration */
   OPC_MAY_GROW
 } opc_inner_metric;
 
@@ -64,18 +65,20 @@ typedef struct opc_inner_run {
   OPC_MAY_GROW
 } opc_inner_run;
 
+/* Name of the service, for opc_host.service. */
 #define OPC_INNER "opcflow.inner/1"
 
+/* Functions of the service. */
 typedef struct opc_inner_service {
   size_t size; /* size of this struct */
 
-  /* ---- from `check` on ---- */
+  /* ---- callable from opc_plugin.check on ---- */
 
-  /* Return the axes. A point is one combination of their values; points are
-     numbered from 0, the last axis varies fastest. */
+  /* Return the *count axes. Points are numbered from 0; the value of the last
+     axis varies fastest. */
   const opc_inner_axis *const *(*axes)(const opc_host *host, size_t *count);
-  /* Return the index of the axis with that path; -1 and *error if the path is
-     not swept. */
+  /* Return the index of the axis with the path `path`; -1 and *error if no axis
+     has this path. */
   int (*axis)(const opc_host *host, const char *path, opc_error *error);
 
   /* `metric`: return the declaration of the metric with the path "step.metric".
@@ -88,7 +91,7 @@ typedef struct opc_inner_service {
   const char *(*output)(const opc_host *host, const char *step,
                         const char *kind, opc_error *error);
 
-  /* ---- while the step runs ---- */
+  /* ---- callable while the step runs ---- */
 
   /* Run the steps that depend on no axis, once for all points. Call before
      `run`. Returns 0, or an error code with *error filled. */
@@ -102,19 +105,21 @@ typedef struct opc_inner_service {
   int (*run)(const opc_host *host, size_t point, int keep, size_t share,
              opc_error *error);
 
-  /* Return the metrics of the last run or, if `shared` is 1, those of `begin`,
-     which are equal for all points. */
+  /* Return the *count metrics of the steps that the last `run` executed. If
+     `shared` is 1, return those of the steps that `begin` executed, which are
+     equal for all points. */
   const opc_inner_metric *const *(*metrics)(const opc_host *host, int shared,
                                             size_t *count);
 
-  /* Return a numeric column (OPC_REAL, OPC_INT) of a table of the last run. */
+  /* Return a numeric column (OPC_REAL, OPC_INT) of a table that the step `step`
+     published in the last run, with the number of rows in *rows. */
   const opc_column *(*column)(const opc_host *host, const char *step,
                               const char *table, const char *column,
                               size_t *rows, opc_error *error);
 
-  /* Return the object that was requested by `output`, as the last run produced
-     it. The object is valid until the next run or until the instance is
-     cleared. */
+  /* Return the output of the data kind `kind` that `step` produced in the last
+     run; the function `output` must have requested this output. The object is
+     valid until the next run or until the instance is cleared. */
   void *(*object)(const opc_host *host, const char *step, const char *kind);
 
   /* Run a point as `run` does, and write the complete run folder STEP/`folder`,

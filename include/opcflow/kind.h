@@ -12,15 +12,17 @@ OPC_C_BEGIN
 
 /* A function that each plugin of the kind must have. */
 typedef struct opc_function {
-  const char *name;
+  const char *name; /* name of the member: "image" */
   size_t offset; /* offset of the pointer in the kind's struct of functions */
   OPC_MAY_GROW
 } opc_function;
 
+/* Initialise an element of an array of required functions: the member of the
+   struct `type`. */
 #define OPC_FUNCTION(type, member) \
   { #member, offsetof(type, member) }
 
-/* Receives results and faults while `opcflow lint` tests a plugin. */
+/* Receives results and faults of a plugin that `opcflow lint` tests. */
 typedef struct opc_inspector opc_inspector;
 struct opc_inspector {
   /* Record the bytes of a result. The same input must produce the same bytes in
@@ -31,7 +33,7 @@ struct opc_inspector {
       OPC_PRINTF(2, 3);
   void (*note)(opc_inspector *inspector, const char *format, ...)
       OPC_PRINTF(2, 3);
-  const opc_context *context;
+  const opc_context *context; /* threads for the test */
   OPC_MAY_GROW
 };
 
@@ -42,27 +44,28 @@ struct opc_inspector {
    to plugins in C. */
 typedef struct opc_template {
   const char *name; /* "@ID@.c" */
-  const char *text;
+  const char *text; /* contents */
   OPC_MAY_GROW
 } opc_template;
 
 /* A small valid input file, for plugins with a required file parameter. */
 typedef struct opc_sample {
-  const char *name; /* "table.yaml" */
-  const void *bytes;
-  size_t size;
+  const char *name;  /* "table.yaml" */
+  const void *bytes; /* contents */
+  size_t size;       /* of `bytes` */
   OPC_MAY_GROW
 } opc_sample;
 
 /* Example object of a data kind, for inputs of steps. */
 typedef struct opc_example {
-  const char *kind;
+  const char *kind; /* the data kind, such as "layout" */
   /* Return the object, created by the first call and constant afterwards; NULL
      and *error on failure. [main] */
   const void *(*give)(opc_error *error);
   OPC_MAY_GROW
 } opc_example;
 
+/* Declaration of a kind; the functions of the plugin "kind.NAME". */
 typedef struct opc_kind {
   size_t functions_size; /* size of the struct of functions of this kind */
 
@@ -75,6 +78,7 @@ typedef struct opc_kind {
      faults of the results to `inspector`. Runs in a separate process. [main] */
   void (*exercise)(const opc_module *module, opc_inspector *inspector);
 
+  /* Files of a new plugin of this kind. */
   size_t n_templates, template_size;
   const opc_template *templates;
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kind "loader": reads plugins from files that are not shared objects. The
-   plugin "loader.EXT" reads the files ID.EXT of the plugin folders and
-   implements the functions of the plugins in these files. [main]: see
+/* Kind "loader": plugins in files that are not shared objects, such as Python
+   files. The plugin "loader.EXT" reads the files ID.EXT of the plugin folders
+   and implements the functions of the plugins in these files. [main]: see
    plugin.h. */
 #ifndef OPCFLOW_LOADER_H
 #define OPCFLOW_LOADER_H
@@ -10,6 +10,7 @@
 
 OPC_C_BEGIN
 
+/* Functions of a loader. */
 typedef struct opc_loader {
   /* Return the descriptor of the plugin `id` in the file `path`, valid until
      the process ends. The instances of the plugin find the descriptor by

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Service "opcflow.pieces/1": work units that are distributed over
-   processes. */
+/* Service "opcflow.pieces/1": distributes the work units of a step over
+   processes. The processes were started by mpirun to run one flow together, or
+   each runs the same flow with a common store of results. A work unit is a part
+   of the work of a step that needs no result of another unit. */
 #ifndef OPCFLOW_PIECES_H
 #define OPCFLOW_PIECES_H
 
@@ -8,18 +10,17 @@
 
 OPC_C_BEGIN
 
-/* Byte string that receives the result of a work unit; `add` appends `size`
-   bytes. [main]: see plugin.h. */
+/* Byte string that receives the result of a work unit. [main]: see plugin.h. */
 typedef struct opc_bytes opc_bytes;
 struct opc_bytes {
+  /* Append `size` bytes. */
   void (*add)(opc_bytes *bytes, const void *from, size_t size);
   OPC_MAY_GROW
 };
 
-/* A list of independent work units. Each unit is computed once, in one of the
-   processes that run the flow together. Results with a key are kept and reused
-   after an interrupted run. All functions are [main] and receive `data` as
-   their first argument.
+/* A list of work units. Each unit is computed once, in one of the processes.
+   Results with a key are kept and reused after an interrupted run. All
+   functions are [main] and receive `data` as their first argument.
 
    The result of `work` must depend only on i, on the step's inputs and on
    earlier calls of `take`, and must be equal in every process. The host stores
@@ -27,10 +28,10 @@ struct opc_bytes {
    again before it calls `take`. `work` must not publish tables and metrics;
    publish them in `take` or later. */
 typedef struct opc_pieces {
-  void *data;
+  void *data;       /* passed to all functions */
   const char *name; /* name of a unit: "window"; unique among the lists of a
                        step */
-  size_t count;
+  size_t count;     /* number of units */
 
   /* Return a text that identifies the dependencies of unit i that the key of
      the step's result does not contain (docs/reference/flow.md). The text is
@@ -58,8 +59,10 @@ typedef struct opc_pieces {
   OPC_MAY_GROW
 } opc_pieces;
 
+/* Name of the service, for opc_host.service. */
 #define OPC_PIECES "opcflow.pieces/1"
 
+/* Functions of the service. */
 typedef struct opc_pieces_service {
   size_t size; /* size of this struct */
 

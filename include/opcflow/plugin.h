@@ -8,6 +8,14 @@
    through the table `opc_host`. Data types and algorithms come from libraries
    that the plugin links, such as eda.
 
+   Terms. A flow is a YAML file that lists steps. The host is the program that
+   loads plugins and runs flows. A kind is a class of plugins with the same
+   struct of functions, such as "step" or "litho". A step is a plugin that the
+   flow runs; a slot is a parameter of a plugin that selects another plugin. An
+   instance is the memory of a plugin for one use in a flow, with the values of
+   the parameters. A data kind is the type of a step's output. Further terms:
+   docs/reference/glossary.md.
+
    Threads. Each function is tagged:
      [main]  called from one thread at a time for one instance;
      [any]   may be called from several threads at once for one instance.
@@ -80,24 +88,29 @@ enum {
                      kind                   const opc_module *   NULL */
 };
 
+/* Value of the field of an OPC_INT that has no value. */
 #define OPC_NO_INT INT64_MIN
 
+/* Field of an OPC_REALS: numbers in the unit of the parameter. */
 typedef struct opc_reals {
   const double *values;
   size_t count;
 } opc_reals;
 
+/* An entry of an opc_map. */
 typedef struct opc_pair {
   const char *key, *value;
 } opc_pair;
 
+/* Field of an OPC_MAP: entries in the order of the flow. */
 typedef struct opc_map {
   const opc_pair *pairs;
   size_t count;
 } opc_map;
 
+/* Flags of a parameter. */
 enum {
-  OPC_REQUIRED = 1 << 0,
+  OPC_REQUIRED = 1 << 0,   /* the flow must set the parameter */
   OPC_AT_LEAST = 1 << 1,   /* value >= min */
   OPC_ABOVE = 1 << 2,      /* value >  min */
   OPC_AT_MOST = 1 << 3,    /* value <= max */
@@ -132,11 +145,11 @@ enum {
    other than the default, else to 0. */
 typedef struct opc_parameter {
   const char *name;
-  uint32_t type;
-  uint32_t flags;
+  uint32_t type;  /* OPC_BOOL ... */
+  uint32_t flags; /* OPC_REQUIRED ... */
   const char *unit;
   const char *preset;
-  double min, max;
+  double min, max;     /* bounds of OPC_AT_LEAST ... */
   const char *choices; /* words, separated by | */
   const char *summary; /* one line, no full stop */
   size_t offset, width, given;
@@ -157,6 +170,7 @@ typedef struct opc_parameter {
   OPC_PARAMETER_NAMED(#member, state, member, __VA_ARGS__)
 #define OPC_PARAMETER_NAMED(label, state, member, ...) \
   { .name = label, OPC_FIELD(state, member), __VA_ARGS__ }
+/* Initialise `offset` and `width` for a member of the instance type. */
 #define OPC_FIELD(state, member) \
   .offset = offsetof(state, member), .width = sizeof(((state *)0)->member)
 
@@ -165,13 +179,15 @@ typedef struct opc_parameter {
 /* Values of opc_metric.better: the direction in which a metric improves. */
 enum { OPC_NEUTRAL = 0, OPC_LOWER = 1, OPC_HIGHER = 2 };
 
+/* Declaration of a metric: a number that a plugin publishes as a result, such
+   as the largest deviation. */
 typedef struct opc_metric {
   const char *name;
-  const char *unit; /* NULL for a plain number */
-  uint32_t better;
-  double tolerance; /* in `unit`; smaller differences between two runs are
-                       insignificant */
-  const char *summary;
+  const char *unit;    /* NULL for a plain number */
+  uint32_t better;     /* OPC_LOWER ... */
+  double tolerance;    /* in `unit`; smaller differences between two runs are
+                          insignificant */
+  const char *summary; /* one line, no full stop */
   OPC_MAY_GROW
 } opc_metric;
 
@@ -189,9 +205,9 @@ enum {
 
 /* Progress of a long step. A number is NAN if unknown. */
 typedef struct opc_progress {
-  double done, total; /* in any unit that the step counts */
-  double worst;       /* the error that the step minimises */
-  const char *worst_unit;
+  double done, total;     /* in any unit that the step counts */
+  double worst;           /* the error that the step minimises */
+  const char *worst_unit; /* unit of `worst`; NULL for a plain number */
 } opc_progress;
 
 enum { OPC_TABLE_PRINT = 1 }; /* the table is also printed to standard output */
@@ -200,7 +216,7 @@ enum { OPC_TABLE_PRINT = 1 }; /* the table is also printed to standard output */
    `data` an array of const char *, double or int64_t. */
 typedef struct opc_column {
   const char *name;
-  const char *unit;
+  const char *unit; /* NULL for plain numbers and texts */
   uint32_t type;
   int32_t decimals; /* number of decimals of an OPC_REAL; -1 for the shortest
                        exact form */
@@ -221,6 +237,7 @@ struct opc_host {
   /* Log one line for the user; `format` does not end with a newline. */
   void (*log)(const opc_host *host, int level, const char *format, ...)
       OPC_PRINTF(3, 4);
+  /* Report the progress of the running step, for display. */
   void (*progress)(const opc_host *host, const opc_progress *progress);
 
   /* Publish a table; `name` has no '/'. The host writes NAME.csv in the run
@@ -261,6 +278,7 @@ struct opc_host {
 
 /* ---- the descriptor --------------------------------------------------- */
 
+/* Flags of a plugin. */
 enum {
   OPC_DETERMINISTIC = 1 << 0, /* equal inputs produce equal bits */
   OPC_REENTRANT = 1 << 1      /* two instances may run concurrently */
@@ -269,11 +287,12 @@ enum {
 /* Descriptor of a plugin. All data that the descriptor points to is constant
    and valid as long as the shared object is loaded. */
 typedef struct opc_plugin {
-  uint16_t abi_major, abi_minor;
-  uint32_t size;    /* size of this struct */
-  const char *id;   /* "litho.hopkins": family.name, lower case */
-  const char *kind; /* kind of `functions`: "litho"; kind.h */
-  const char *version;
+  uint16_t abi_major, abi_minor; /* version of the interface of the build */
+  uint32_t size;                 /* size of this struct */
+  const char *id; /* "litho.hopkins", lower case; the part before the dot is the
+                     family */
+  const char *kind;    /* kind of `functions`: "litho"; kind.h */
+  const char *version; /* version of the plugin */
   const char *licence; /* SPDX expression */
   const char *summary; /* one line, no full stop */
   uint32_t flags;      /* OPC_DETERMINISTIC, OPC_REENTRANT */
@@ -316,6 +335,8 @@ typedef struct opc_plugin {
   OPC_MAY_GROW
 } opc_plugin;
 
+/* Initialise fields of an opc_plugin: arrays of parameters and of metrics, and
+   the struct of functions. */
 #define OPC_PARAMETERS(array)                         \
   .n_parameters = sizeof(array) / sizeof((array)[0]), \
   .parameter_size = sizeof(opc_parameter), .parameters = (array)
@@ -325,6 +346,7 @@ typedef struct opc_plugin {
 #define OPC_FUNCTIONS(object) \
   .functions = &(object), .functions_size = sizeof(object)
 
+/* Type and name of the exported function, which returns the descriptor. */
 typedef const opc_plugin *(*opc_plugin_entry)(void);
 #define OPC_ENTRY_NAME "opcflow_plugin"
 

@@ -10,6 +10,7 @@
 
 OPC_C_BEGIN
 
+/* Name of the service, for opc_host.service. */
 #define OPC_RESULTS "opcflow.results/1"
 
 /* Functions of the service. All are [main], while a step or a command runs. */

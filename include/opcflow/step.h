@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kind "step": a stage of a flow, with typed inputs and outputs. */
+/* Kind "step": a stage of a flow, with typed inputs and outputs. The type of an
+   input or output is a data kind, such as "layout" or "mask"; objects of a data
+   kind are C structs of a library. [main]: see plugin.h. */
 #ifndef OPCFLOW_STEP_H
 #define OPCFLOW_STEP_H
 
@@ -11,8 +13,8 @@ OPC_C_BEGIN
    handle objects of that kind. Libraries define macros for outputs of their
    data kinds (eda: EDA_PORT_LAYOUT ...). */
 typedef struct opc_port {
-  const char *name;
-  const char *kind;
+  const char *name; /* name of the output, as in `${step.name}` */
+  const char *kind; /* data kind */
 
   /* Check that an object made by `run` is valid for its kind, including its
      arrays. Returns 0, or an error code with *error filled. [main] */
@@ -35,6 +37,7 @@ typedef struct opc_forecast {
   OPC_MAY_GROW
 } opc_forecast;
 
+/* Flags of a step. */
 enum {
   OPC_STEP_LIGHT = 1 << 0,   /* takes a few seconds at most and writes no file:
                                 `opcflow check` runs the step, so that later
@@ -50,6 +53,7 @@ enum {
               in every process; all other steps run only in the first process */
 };
 
+/* Functions of a step. */
 typedef struct opc_step {
   /* Outputs; `${step}` refers to the first one. Inputs are parameters of the
      type OPC_INPUT. An output may point into the inputs of the step, which live
@@ -81,15 +85,16 @@ typedef struct opc_step {
   int (*restore)(void *self, const char *folder, void **outputs,
                  opc_error *error);
 
-  /* For steps without OPC_STEP_LIGHT: make stand-ins of the outputs in less
-     than a second, such as a layout with all layers and few shapes. The objects
-     are valid for their kinds. `opcflow check` then asks later steps for their
-     forecasts. May fail for the same reasons as `run`. If NULL, later steps
-     make no forecasts. [main] */
+  /* For steps without OPC_STEP_LIGHT: make small substitutes of the outputs in
+     less than a second, such as a layout with all layers and few shapes. The
+     objects are valid for their data kinds. `opcflow check` passes them to
+     later steps, to obtain the forecasts of these steps. May fail for the same
+     reasons as `run`. If NULL, later steps make no forecasts. [main] */
   int (*sketch)(void *self, void **outputs, opc_error *error);
   OPC_MAY_GROW
 } opc_step;
 
+/* Initialise the fields of an opc_step for an array of outputs. */
 #define OPC_OUTPUTS(array)                         \
   .n_outputs = sizeof(array) / sizeof((array)[0]), \
   .output_size = sizeof(opc_port), .outputs = (array)

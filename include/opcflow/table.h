@@ -18,7 +18,7 @@ OPC_C_BEGIN
 /* A metric with its value. If the name is NULL, the element is skipped. */
 typedef struct opc_metric_value {
   const char *name;
-  double value;
+  double value; /* in the unit of the declaration */
 } opc_metric_value;
 
 /* Publish metrics. Returns 0, or an error code with *error filled. Use: `return

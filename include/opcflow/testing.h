@@ -23,6 +23,7 @@ OPC_EXPORT const char *opc_test_folder(void);
    parameters are not valid, returns NULL and writes all faults to *error. */
 OPC_EXPORT opc_module *opc_test_module(const char *id, const char *mapping,
                                        opc_error *error);
+/* Free a module of opc_test_module. */
 OPC_EXPORT void opc_test_module_free(opc_module *module);
 
 /* Set the object of an OPC_INPUT, which the caller owns. Aborts if the plugin
@@ -35,16 +36,18 @@ OPC_EXPORT void opc_test_input(opc_module *module, const char *name,
    *error filled; on failure the outputs are already released. */
 OPC_EXPORT int opc_test_run(opc_module *module, void **outputs,
                             opc_error *error);
+/* Release the outputs of opc_test_run. */
 OPC_EXPORT void opc_test_release(opc_module *module, void **outputs);
 
-/* Correct a NAND gate of 65 nm rules with a plugin of the correction loop, as
-   an acceptance test. `plugin`, "{ use: synthesizer.mine }", is in the slot
-   "litho", "resist", "extractor", "synthesizer" or "regulator"; shipped plugins
-   are in the other slots, and the guard of the loop is off. The test passes if
-   the loop converges, every transistor prints, and none is worse than drawn.
-   The largest |Ion deviation| must be less than as drawn, or at most 0.5 %.
-   Returns OPC_OK, or an error code and the reason in *error. Metrics of the
-   correction, such as "ion_max", can be read afterwards. Since 0.8. */
+/* Correct the mask of a NAND gate of 65 nm rules with a plugin of the
+   correction loop, as an acceptance test. `plugin`, "{ use: synthesizer.mine
+   }", is in the slot "litho", "resist", "extractor", "synthesizer" or
+   "regulator"; shipped plugins are in the other slots, and the guard of the
+   loop is off. The test passes if the loop converges, every transistor prints,
+   and none is worse than drawn. The largest |Ion deviation| must be less than
+   as drawn, or at most 0.5 %. Returns OPC_OK, or an error code and the reason
+   in *error. Metrics of the correction, such as "ion_max", can be read
+   afterwards. Since 0.8. */
 OPC_EXPORT int opc_test_corrects(const char *slot, const char *plugin,
                                  opc_error *error);
 

@@ -13,6 +13,7 @@
 /* Values of the parameter `divide`. */
 enum { DIVIDE_AUTO, DIVIDE_WHOLE, DIVIDE_ENVIRONMENTS, DIVIDE_CELLS };
 
+/* The instance; first the parameters. */
 typedef struct correct {
   const opc_host *host;
   const eda_layout *layout;

@@ -13,6 +13,7 @@ typedef struct figure {
   double *values;   /* for each run; NAN if the run does not have the figure */
 } figure;
 
+/* The instance of the step. */
 typedef struct experiment {
   const opc_host *host;
   const char *flow, *variant; /* parameters */
@@ -36,6 +37,7 @@ typedef struct experiment {
 
 /* ---- report.c ---- */
 
+/* Free a figure. */
 void figure_free(void *object);
 
 /* Store the metrics of the last run as figures of run `run`. */

@@ -6,11 +6,8 @@
 #include <eda/curves.h>
 #include <eda/extractor.h>
 
-enum {
-  CONTOUR_LEAST = 8,
-  CONTOUR_MOST = 96
-}; /* least and largest number of
-      slices */
+/* Smallest and largest number of slices. */
+enum { CONTOUR_LEAST = 8, CONTOUR_MOST = 96 };
 
 /* Return the weight of a slice at `edge` nm from the nearer active edge of a
    transistor of `width` nm. The weight is the current divided by the current of
@@ -18,8 +15,10 @@ enum {
 typedef double contour_weight(const void *self, int type, int current,
                               double edge, double width);
 
+/* State of the slicing. */
 typedef struct contour contour;
 
+/* Return a new state; free a state. */
 contour *contour_new(void);
 void contour_free(contour *c);
 

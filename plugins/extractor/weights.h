@@ -13,6 +13,7 @@ typedef struct grid {
   double *width, *edge, *value;
 } grid;
 
+/* All tables. */
 typedef struct weights {
   grid grid[2][EDA_CURRENTS]; /* [type][current] */
 } weights;

@@ -7,6 +7,7 @@
 #include <eda/layout.h>
 #include <opcflow/plugin.h>
 
+/* Layout of a mask, and the gates that it must match. */
 typedef struct import {
   const opc_host *host;
   const eda_gates *gates;

@@ -8,6 +8,7 @@
 
 /* ---- parameters ---- */
 
+/* Shapes of the source. Radii are relative to the numerical aperture. */
 enum {
   OPTICS_CIRCULAR,   /* disk of radius sigma */
   OPTICS_ANNULAR,    /* ring from sigma_in to sigma */

@@ -26,6 +26,7 @@
 
 #include "optics.h"
 
+/* Largest number of parts into which polarised light is expanded. */
 enum { VECTOR_PARTS = 6 };
 
 /* Return the number of parts of each source point: 1 (scalar), 3 (one per

@@ -24,6 +24,7 @@ typedef struct resist_line {
   double line, pitch, cd;
 } resist_line;
 
+/* Parameters of a layer, and the result of their check. */
 typedef struct resist_layer {
   /* Line that must print to the width `cd`. NAN: the value is not given. */
   resist_line anchor;
@@ -130,6 +131,7 @@ int resist_layer_has_table(const resist_layer *layer);
 
 /* ---- the fit ---- */
 
+/* Largest number of terms. */
 enum { RESIST_TERMS = 4 };
 
 /* Compute the fields of terms 1 .. n - 1 of an image. Return OPC_OK or an

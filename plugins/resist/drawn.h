@@ -4,6 +4,8 @@
 
 #include <eda/gates.h>
 
+/* Line and pitch, with the numbers of gates and pitches from which they were
+   found. */
 typedef struct resist_drawn {
   double line, pitch; /* length of the shortest gate, and pitch, nm */
   size_t gates;       /* number of gates of length `line` */

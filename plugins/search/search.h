@@ -10,7 +10,7 @@
 /* A metric of the objective. */
 typedef struct term {
   const opc_metric *metric;
-  double weight; /* of the square of the metric, if there are `weights` */
+  double weight; /* factor of the square of the metric; used if `weighted` */
 } term;
 
 /* Objective of the search: one metric, or the weighted sum of the squares of
@@ -36,6 +36,7 @@ typedef struct plan {
   char **column;        /* column of the axis values: step, table, column */
 } plan;
 
+/* The instance of the step. */
 typedef struct search {
   const opc_host *host;
   const char *flow, *variant, *minimise, *maximise, *mask;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Corrects all transistors of a layout in each iteration; <correct/control.h>
-   selects the step of one transistor. Widths move only after all lengths have
-   stopped, because the lengths of neighbours have the largest effect on a
-   transistor. Until all lengths have stopped, the active layer need not be
-   simulated again. */
+/* Descent: in each iteration, a step of every transistor of a layout, which
+   <correct/control.h> selects. Widths move only after all lengths have stopped,
+   because the lengths of neighbours have the largest effect on a transistor.
+   Until all lengths have stopped, the active layer need not be simulated again.
+ */
 #pragma once
 
 #include <opcflow/plugin.h>

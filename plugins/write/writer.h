@@ -40,6 +40,7 @@ typedef struct write_format {
   void (*clear)(void *self);
 } write_format;
 
+/* First part of the instance of a writer. */
 typedef struct writer {
   const opc_host *host;
   const eda_layout *layout;

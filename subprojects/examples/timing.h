@@ -6,6 +6,7 @@
 
 #include <opcflow/plugin.h>
 
+/* Functions of a timing model. */
 typedef struct timing {
   /* Return the time, in s, in which a transistor with the on current `ion` (A)
      charges the gate of an equal transistor, of area `area` (nm^2). The time

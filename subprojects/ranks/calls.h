@@ -5,7 +5,9 @@
 
 #include <opcflow/base.h>
 
-/* Start MPI, once. Returns non-zero if MPI does not support two threads. */
+/* Start MPI, once. `stopped` returns whether a stop is requested; *rank and
+   *size receive the number of this process and the number of processes. Returns
+   non-zero if MPI does not support two threads. mpi_end: end MPI. */
 int mpi_start(int (*stopped)(void), int *rank, int *size);
 void mpi_end(void);
 

@@ -4,6 +4,7 @@
 
 #include <store/store.h>
 
+/* A store. */
 struct opc_store {
   char *folder;
   guint64 limit;      /* bytes */
@@ -17,6 +18,7 @@ struct opc_store {
                          if not open */
 };
 
+/* Initialise the checksums of files (sums.c). */
 void opc_sums_init(opc_store *store);
 /* Store the checksums and free them. */
 void opc_sums_clear(opc_store *store);

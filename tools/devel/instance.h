@@ -5,6 +5,7 @@
 
 #include "core/binding/binding.h"
 
+/* Input: the plugin, and values of its parameters. */
 typedef struct opc_making {
   opc_registry *registry; /* for the plugins in slots */
   const opc_plugin *plugin;
@@ -16,6 +17,7 @@ typedef struct opc_making {
   const opc_watch *watch; /* requests to stop a call; may be NULL */
 } opc_making;
 
+/* The instance. */
 typedef struct opc_instance {
   opc_source *source;
   opc_node *map, *given;

@@ -8,6 +8,7 @@
 /* Value of opc_lint.sample: the plugin accepts no sample file. */
 #define OPC_NO_SAMPLE G_MAXSIZE
 
+/* State of the checks of one plugin. */
 typedef struct opc_lint {
   const char *path; /* shared object, ID.so */
   char *id;
@@ -23,8 +24,10 @@ typedef struct opc_lint {
   GPtrArray *notes;       /* char *: skipped checks with reasons */
 } opc_lint;
 
+/* State of one check in its process. */
 typedef struct opc_inspection opc_inspection;
 
+/* A check. */
 typedef struct opc_check {
   const char *name;
   gboolean works;      /* the check reports a digest of results, if the kind has

@@ -7,6 +7,7 @@
 
 #include "core/report/table.h"
 
+/* A published metric. */
 typedef struct opc_published_metric {
   const char *name;
   double value;
@@ -14,6 +15,7 @@ typedef struct opc_published_metric {
                                  published the metric */
 } opc_published_metric;
 
+/* The collector. */
 typedef struct opc_published {
   opc_host host;      /* template for the hosts of instances */
   const char *inside; /* folder that contains `folder` */

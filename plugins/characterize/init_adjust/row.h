@@ -20,15 +20,16 @@ typedef struct row_rules {
   uint8_t type;     /* EDA_NMOS, EDA_PMOS */
 } row_rules;
 
+/* A row. */
 typedef struct row {
   const row_rules *rules;
   double length, width; /* drawn */
-  size_t count;
-  int32_t *l, *w; /* biases of each transistor, in grid steps */
-  double design;  /* Ion as drawn, A */
-  double *ion;    /* Ion as printed, A; 0 for transistors that do not print */
-  eda_field print[ROW_LAYERS];
-  size_t slices;
+  size_t count;         /* number of transistors */
+  int32_t *l, *w;       /* biases of each transistor, in grid steps */
+  double design;        /* Ion as drawn, A */
+  double *ion; /* Ion as printed, A; 0 for transistors that do not print */
+  eda_field print[ROW_LAYERS]; /* level sets */
+  size_t slices;               /* number of slices of each transistor */
   double *slice; /* widths of the slices of all transistors, then all lengths,
                     then all distances from the nearer end of the gate */
   double *own;   /* positions and widths of the slices of one transistor */
@@ -45,4 +46,5 @@ int row_init(row *out, const row_rules *rules, double length, double width,
    images. Return OPC_OK or an error. [any] */
 int row_print(row *r, const int layers[ROW_LAYERS], opc_error *error);
 
+/* Free the arrays of a row. */
 void row_clear(row *r);

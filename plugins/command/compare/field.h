@@ -7,12 +7,14 @@
 #include <glib.h>
 #include <opcflow/plugin.h>
 
+/* A run and its base run. */
 typedef struct pair {
   const char *name;   /* name of the case; "" without cases */
   const char *method; /* label of `other` */
   eda_run *base, *other;
 } pair;
 
+/* All runs of a comparison. */
 typedef struct field {
   const char *base;  /* label of the common base run; "" if each method has a
                         separate base run */

@@ -6,16 +6,20 @@
 
 #include "field.h"
 
+/* Order of the rows: as in the files, by name, by size of the change, by
+   verdict. */
 enum { SORT_FILE, SORT_NAME, SORT_CHANGE, SORT_VERDICT };
 
+/* Verdict on a metric. */
 enum { BETTER, WORSE, SAME, DIFFERS, MISSING, VERDICTS };
 
+/* State of the command. */
 typedef struct comparison {
   const opc_host *host;
-  int anyway, all, cases;
+  int anyway, all, cases; /* options of the command (compare.c) */
   const char *chosen, *fail_on,
-      *variant; /* words separated by commas, or NULL */
-  int sort;
+      *variant; /* options: words separated by commas, or NULL */
+  int sort;     /* SORT_FILE ... */
   field field;
   GArray *rows;         /* metric_row, all selected metrics */
   GArray *intervals;    /* transistor_row */
@@ -54,11 +58,14 @@ int metrics_publish(comparison *c, opc_error *error);
    ties. Returns the status. */
 int cases_publish(comparison *c, opc_error *error);
 
+/* Publish the table of the runs; of the parameters that differ between runs; of
+   the changes of transistors. Return the status. */
 int runs_publish(comparison *c, opc_error *error);
 int parameters_publish(comparison *c, opc_error *error);
 int transistors_publish(comparison *c, opc_error *error);
 
-/* Publish the verdicts that transistors_publish found. Returns the status. */
+/* Publish the verdicts that transistors_publish found; publish the differences
+   of the mask files (masks.h). Return the status. */
 int verdicts_publish(comparison *c, opc_error *error);
 int masks_publish(comparison *c, opc_error *error);
 

@@ -10,6 +10,7 @@ typedef struct mebes_array {
   int64_t columns, rows, step_x, step_y;
 } mebes_array;
 
+/* Sizes of the format (README.md). */
 enum { MEBES_STRIPE = 1024, MEBES_SEGMENT = 32768, MEBES_BLOCK = 2048 };
 
 /* Return the number of segments over an extent repeated as `array`. */

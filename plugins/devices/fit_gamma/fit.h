@@ -9,6 +9,7 @@
 
 enum { REFERENCE_NODES = 256 }; /* number of slices per transistor */
 
+/* A transistor whose currents are known. */
 typedef struct transistor {
   int type;
   double width;   /* width of the active, nm */
@@ -20,6 +21,7 @@ typedef struct transistor {
   double edge[REFERENCE_NODES], part[EDA_CURRENTS][REFERENCE_NODES];
 } transistor;
 
+/* All transistors of a reference. */
 typedef struct reference {
   size_t count;
   transistor *transistor;
@@ -49,9 +51,14 @@ typedef struct fitted {
   double *edge, *gamma;
 } fitted;
 
+/* Select the transistors of a type whose current `current` is known; free the
+   selection. */
 void sample_init(sample *s, const reference *r, int type, int current);
 void sample_clear(sample *s);
 
+/* fit_edge: fit an exponential function of the distance from the active edge.
+   fit_table: fit gamma at the distances edge[edges]. Return OPC_OK, or an error
+   if there are too few transistors. fitted_clear: free the result. */
 int fit_edge(const sample *s, fitted *out, opc_error *error);
 int fit_table(const sample *s, const double *edge, size_t edges, fitted *out,
               opc_error *error);

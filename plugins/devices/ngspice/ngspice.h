@@ -20,6 +20,7 @@ enum {
   SLOPE   /* extrapolate the currents with their slope at the end */
 };
 
+/* Voltages of a measurement. */
 typedef struct bias {
   double gate, drain; /* V, of the n-transistor; negated for the p-transistor */
 } bias;
@@ -51,6 +52,7 @@ typedef struct plan {
   double *each_width; /* [widths], increasing widths; the last one is `width` */
 } plan;
 
+/* Results of the simulations. */
 typedef struct currents {
   /* measured values, [width * count + length] */
   double *at[TYPES][QUANTITIES];
@@ -89,6 +91,7 @@ int simulate(const plan *p, currents *out, opc_error *error);
 int table_extended(const plan *p, const currents *c, char *text,
                    size_t capacity);
 
+/* Write the device table to the output file `name`. */
 int table_write(const plan *p, const currents *c, const char *name,
                 opc_error *error);
 
@@ -99,5 +102,6 @@ double table_slope(const plan *p, const currents *c, int type, int current,
 
 /* ---- picture.c ---- */
 
+/* Draw the currents of device table `name` to the picture. */
 int picture_draw(const plan *p, const currents *c, const char *name,
                  opc_error *error);

@@ -6,6 +6,7 @@
 
 #include "../view.h"
 
+/* Largest number of models in a picture. */
 enum { IMAGE_MODELS = 4 };
 
 /* Distance of a model's contours from the contours of the first model; NAN if
@@ -38,6 +39,7 @@ typedef struct image_model {
   image_gates gates;
 } image_model;
 
+/* The instance of draw.image. */
 typedef struct image_run {
   const opc_host *host;
   view view;
@@ -76,4 +78,5 @@ int image_report(image_run *r, opc_error *error);
 
 /* ---- picture.c ---- */
 
+/* Draw the picture. */
 int image_draw(image_run *r, opc_error *error);

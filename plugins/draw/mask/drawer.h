@@ -9,6 +9,7 @@
    same mask. */
 enum { BEFORE, AFTER, DIFFERENCE, CLASSES };
 
+/* The instance of draw.mask. */
 typedef struct drawer {
   const opc_host *host;
   view view;

@@ -17,6 +17,7 @@ typedef struct cache_key {
   int64_t source, polarisation, real;
 } cache_key;
 
+/* Kernels in the cache. */
 typedef struct cache_entry cache_entry;
 
 /* Return the entry of a key and add a user. Return NULL if the key has no
@@ -28,6 +29,7 @@ cache_entry *cache_find(const cache_key *key);
    `made` and return the existing, equal entry. */
 cache_entry *cache_add(const cache_key *key, kernels *made, double error);
 
+/* Return the kernels of an entry, and in *error their image error. */
 kernels *cache_kernels(const cache_entry *k, double *error);
 
 /* Remove a user from an entry. */

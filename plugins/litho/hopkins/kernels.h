@@ -9,6 +9,7 @@
 
 #include "../vector.h"
 
+/* Kernels of a T, and the functions of their representation. */
 typedef struct kernels kernels;
 struct kernels {
   const opc_context *context;

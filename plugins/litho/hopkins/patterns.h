@@ -5,6 +5,7 @@
 
 #include "kernels.h"
 
+/* Number of patterns. */
 enum { PATTERNS = 5 };
 
 /* Compute the spectrum of pattern `which`, whose size is inversely proportional

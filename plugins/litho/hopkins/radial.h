@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kernels of a rotationally symmetric T: eigenfunctions (radial.c), coherent
-   kernels (coherent.c), and residual (residual.c). */
+/* Kernels of a rotationally symmetric transmission cross coefficient T
+   (kernels.h): eigenfunctions (radial.c), coherent kernels (coherent.c), and
+   residual (residual.c). */
 #pragma once
 
 #include "kernels.h"
 
+/* Numbers of nodes and of tabulated values. A panel is an interval of the
+   radius with its own Gauss-Legendre nodes. */
 enum {
   PANELS = 4,
   FIRST = 8,  /* number of nodes of the panel in which the entire source passes
@@ -22,11 +25,13 @@ enum {
   TABLE = 1024 /* intervals of a radial function's table */
 };
 
+/* A panel. */
 typedef struct panel {
   double from, to;
   int first, n; /* index of the first node; number of nodes */
 } panel;
 
+/* Eigenvalue of an angular order, and its index in the order. */
 typedef struct eigen {
   double value;
   int order, index;
@@ -41,6 +46,7 @@ typedef struct coherent {
   float *re, *im; /* TABLE + 2 values each; im may be NULL: all values are 0 */
 } coherent;
 
+/* Radial kernels under construction. */
 typedef struct radial {
   kernels base;
   const optics *o;

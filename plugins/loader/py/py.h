@@ -33,15 +33,17 @@ typedef struct py_instance {
   const opc_host *host;
   const py_plugin *plugin;
   py_worker *worker;
-  GMutex lock;         /* of the worker, for functions that are [any] */
-  double call_limit;   /* s */
-  uint64_t serial;     /* of the gates that the worker has; 0: none */
-  GPtrArray *verdicts; /* char *: of all gates; NULL: not requested yet */
-  double *target;      /* of `gates` gates; NULL: not requested yet */
-  size_t gates, slices;
-  double *place, *width; /* [slices] */
+  GMutex lock;       /* protects the worker in functions that are [any] */
+  double call_limit; /* s */
+  uint64_t
+      serial; /* eda_gates.serial of the gates that the worker has; 0: none */
+  GPtrArray
+      *verdicts;  /* char *: verdicts on all gates; NULL: not requested yet */
+  double *target; /* [gates], targets of Ion; NULL: not requested yet */
+  size_t gates, slices;  /* numbers of gates, and of slices of a gate */
+  double *place, *width; /* [slices], as returned by eda_extractor.slicing */
   double band;           /* 1/nm; 0: unknown */
-  eda_box *boxes;        /* that a regulator adds and cuts out */
+  eda_box *boxes; /* shapes that a regulator adds to the mask, and cut-outs */
 } py_instance;
 
 /* Return the descriptor of the plugin in a file; NULL and *error. */
@@ -83,13 +85,15 @@ int py_ask(py_instance *instance, const char *call, opc_error *error);
 
 /* ---- data (data.c) ---- */
 
-/* An array of a struct: name, notation of NumPy, offset of the pointer,
-   elements of a gate (0: one, without a dimension of its own). */
+/* A member of a struct that points to an array of numbers: name, type in the
+   notation of NumPy, offset of the pointer. `width`: number of elements for
+   each gate; 0: one element, and the array has one dimension. */
 typedef struct py_field {
   const char *name, *type;
   size_t offset, width;
 } py_field;
 
+/* All arrays of a struct. */
 typedef struct py_table {
   const py_field *fields;
   size_t count;
@@ -98,13 +102,15 @@ typedef struct py_table {
 extern const py_table py_gates, py_performance, py_feedback, py_moves,
     py_printed, py_ruling;
 
-/* Add the arrays of a struct of `count` gates to the open object.
-   None in Python: the pointer is NULL. `lend`: Python can change the
-   arrays. */
+/* Add the arrays of a struct of `count` gates to the open object. A NULL
+   pointer becomes None in Python. If `lend` is 1, Python can change the arrays.
+ */
 void py_put_table(py_worker *worker, const py_table *table, size_t count,
                   const void *from, int lend);
+/* Add an object: figures (may be NULL), gates, shapes of all layers, a frame, a
+   scanner. */
 void py_put_performance(py_worker *worker, const char *name,
-                        const eda_performance *performance); /* or NULL */
+                        const eda_performance *performance);
 void py_put_gates(py_worker *worker, const char *name, const eda_gates *gates);
 void py_put_shapes(py_worker *worker, const char *name, size_t layers,
                    const eda_shapes *shapes);

@@ -7,13 +7,15 @@
 #include <json-glib/json-glib.h>
 #include <opcflow/plugin.h>
 
-/* A file that the worker maps: eda_shared.id, 0 for the own memory. */
+/* A file that the worker maps: its number (eda_shared.id; 0: py_worker.memory)
+   and descriptor. */
 typedef struct py_file {
   uint64_t id;
   int file;
 } py_file;
 
-/* An array to copy back after the call. */
+/* An array of `bytes` bytes that is copied after the call from offset `at` of
+   the worker's memory to `to`. */
 typedef struct py_loan {
   void *to;
   size_t at, bytes;
@@ -22,12 +24,16 @@ typedef struct py_loan {
 /* The fields are private to worker.c and call.c. */
 typedef struct py_worker {
   char *id;
-  pid_t pid,
-      host; /* of the worker (0: ended), of the process that started it */
-  int socket, alive, log, memory; /* descriptors; -1: none */
-  char *base;                     /* mapped memory of `size` bytes */
+  pid_t pid;  /* the Python process; 0: ended */
+  pid_t host; /* the process that started the Python process */
+  /* Descriptors; -1: none. */
+  int socket; /* of the messages */
+  int alive;  /* of a connection that ends with this process */
+  int log;    /* of a file with the output of the Python process */
+  int memory; /* of the memory for arrays, which both processes map */
+  char *base; /* mapped memory of `size` bytes */
   size_t size, used;
-  int is_kept;      /* 1: the worker keeps arrays in `memory` */
+  int is_kept;      /* 1: the Python code still uses arrays in `memory` */
   GArray *files;    /* py_file */
   guint sent;       /* number of `files` that were sent */
   const char *call; /* name of the method */
@@ -50,36 +56,39 @@ void py_worker_free(py_worker *worker);
    the status as waitpid. */
 int py_worker_end(py_worker *worker, double patience);
 
-/* Return and remove the text that the process wrote to its standard output and
-   error (g_free); of a long text the end. */
+/* Return the text that the process wrote to its standard output and error, and
+   empty the log (g_free). Only the end of a long text is returned. */
 char *py_worker_log(py_worker *worker);
 
-/* Begin a request; `call`, a constant, is the method. Values are then added, by
-   name, or with the name NULL as elements of a list. */
+/* Begin a request. `call` is the name of the method, a constant text. The
+   functions below add values: with a name, or with the name NULL as elements of
+   a list. */
 void py_request(py_worker *worker, const char *call);
 
 /* Begin and end an object '{' or a list '['. */
 void py_begin(py_worker *worker, const char *name, char bracket);
 void py_end(py_worker *worker, char bracket);
 
+/* Add a value: JSON text; an integer; a number, null if not finite; a text,
+   null if NULL. */
 void py_put(py_worker *worker, const char *name, const char *json);
 void py_put_int(py_worker *worker, const char *name, int64_t value);
-/* null if not finite */
 void py_put_number(py_worker *worker, const char *name, double value);
-/* null if NULL */
 void py_put_text(py_worker *worker, const char *name, const char *text);
 
 /* Add an array of `count` rows of `width` elements; width 0: an array of one
    dimension. `type` is the notation of NumPy: "f8", "f4", "i4", "u4", "u1".
-   `data` NULL: None, unless the array is empty. The Python function can change
-   an array that is lent, and the changes are made in `data`. */
+   If `data` is NULL and the array is not empty, the value is None.
+   py_lend_array: the Python function can change the array, and the changes are
+   copied to `data` after the call. */
 void py_put_array(py_worker *worker, const char *name, const char *type,
                   size_t count, size_t width, const void *data);
 void py_lend_array(py_worker *worker, const char *name, const char *type,
                    size_t count, size_t width, void *data);
 
-/* Answers a message of the worker during a call: *answer receives a text or
-   NULL. Returns 0, or an error code and *error. */
+/* Function that answers a message of the worker during a call. `what`: kind of
+   the message; `asked`: the whole message; *answer receives a text or NULL.
+   Returns 0, or an error code and *error. */
 typedef int py_answer(const opc_host *host, const char *what, JsonObject *asked,
                       const char **answer, opc_error *error);
 

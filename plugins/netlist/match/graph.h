@@ -7,12 +7,15 @@
 
 #include "match.h"
 
+/* Sides of the comparison. */
 enum { NETLIST, LAYOUT, SIDES };
 
+/* A position, nm. */
 typedef struct nm_point {
   double x, y;
 } nm_point;
 
+/* A bundle. */
 typedef struct bundle {
   uint32_t gate, a, b; /* nets; a <= b, both at source or drain */
   uint8_t type;
@@ -22,6 +25,7 @@ typedef struct bundle {
                             known */
 } bundle;
 
+/* The nets and bundles of one side. */
 typedef struct side {
   uint32_t nets;
   uint32_t bundles;
@@ -53,16 +57,19 @@ typedef struct graph {
   arc *links;
 } graph;
 
+/* Return the side of a node. */
 static inline int graph_side(const graph *g, uint32_t node) {
   return node < g->bundle0[NETLIST] ? node >= g->net0[LAYOUT]
                                     : node >= g->bundle0[LAYOUT];
 }
 
+/* Return the bundle of a node that is no net. */
 static inline const bundle *graph_bundle(const graph *g, uint32_t node) {
   int s = node >= g->bundle0[LAYOUT];
   return &g->side[s].bundle[node - g->bundle0[s]];
 }
 
+/* Return a hash of two numbers. */
 static inline uint64_t graph_mix(uint64_t a, uint64_t b) {
   uint64_t h = (a + 0x9e3779b97f4a7c15u) * 0xbf58476d1ce4e5b9u + b;
   h = (h ^ h >> 30) * 0x94d049bb133111ebu;
@@ -98,6 +105,7 @@ int graph_assign(graph *g, const bundle *devices, const bundle *gates);
 
 /* ---- partition.c ---- */
 
+/* The partition of all nodes into classes. */
 typedef struct partition {
   const graph *g;
   uint32_t classes;
@@ -113,6 +121,7 @@ typedef struct partition {
   int odd; /* 1: in some class, the numbers of nodes of both sides differ */
 } partition;
 
+/* Make a partition with one class. */
 void partition_make(const graph *g, partition *out);
 /* Split classes until all nodes of a class have neighbours of the same classes.
    Returns 0 if the two sides differ. */

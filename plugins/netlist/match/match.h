@@ -39,6 +39,7 @@ typedef struct terminals {
   uint32_t gate, low, high;
 } terminals;
 
+/* State of a comparison of netlist and layout. */
 typedef struct match_task {
   const opc_host *host;
   opc_error *error;
@@ -66,7 +67,8 @@ typedef struct match_task {
 
   eda_flat_netlist flat; /* the whole netlist */
   uint32_t *owner;       /* device of each gate, or UINT32_MAX: none */
-  size_t by_order;       /* assignments that only the order decided */
+  size_t by_order; /* number of devices that were assigned to one of several
+                      equivalent gates, by order */
 } match_task;
 
 /* Return an array of `n` numbers, all UINT32_MAX, owned by the pool. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Internal interface of process.window. */
+/* Internal interface of process.window: simulation of a mask at doses, foci,
+   mask errors and overlays. */
 #pragma once
 
 #include <eda/print.h>
@@ -19,6 +20,7 @@ typedef struct window_print {
   double slices, short_slices, short_gates, shortest, modelled;
 } window_print;
 
+/* The instance of the step. */
 typedef struct window {
   const opc_host *host;
   const eda_mask *mask; /* parameters */
@@ -49,6 +51,7 @@ typedef struct window {
   double depth_low, depth_high;
 } window;
 
+/* Return the result at a focus and a dose. */
 static inline const window_print *window_at(const window *w, size_t focus,
                                             size_t dose) {
   return &w->print[focus * w->dose.count + dose];
@@ -67,6 +70,7 @@ static inline size_t window_overlays(const window *w) {
   return x && y ? x * y : x + y;
 }
 
+/* Return overlay k of all combinations along x and y. */
 static inline window_overlay window_overlay_at(const window *w, size_t k) {
   opc_reals x = w->overlay[0], y = w->overlay[1];
   window_overlay at = {0, 0};
@@ -119,6 +123,7 @@ typedef struct window_response {
   double ion_mean, ion_max;   /* |% of Ion| per nm of edge displacement */
 } window_response;
 
+/* Compute the responses. */
 window_response window_respond(const window *w);
 
 /* ---- tables.c ---- */
@@ -130,6 +135,7 @@ typedef struct window_summary {
   double failed;
 } window_summary;
 
+/* Summarise the result at one condition. */
 window_summary window_summarise(const window *w, const window_print *print);
 
 /* Write all tables and metrics. */

@@ -38,14 +38,15 @@ typedef struct cif_transform {
   double angle, x, y;
 } cif_transform;
 
+/* State of the reader. */
 typedef struct cif {
   reading b;
-  size_t at, command;  /* place in the text; place of the current command */
-  int building;        /* 1 in the second pass */
-  GPtrArray *symbols;  /* cif_symbol, in the order of their first mention */
-  size_t mentioned;    /* number of symbols mentioned so far in this pass */
-  GHashTable *numbers; /* symbol that each number denotes at present (mention in
-                          symbols.c) */
+  size_t at, command; /* place in the text; place of the current command */
+  int building;       /* 1 in the second pass */
+  GPtrArray *symbols; /* cif_symbol, in the order of their first mention */
+  size_t mentioned;   /* number of symbols mentioned so far in this pass */
+  GHashTable
+      *numbers; /* symbol that each number denotes at the current command */
   GArray
       *forgotten; /* cif_forgotten; `from` and `at` increase with the index */
 
@@ -67,10 +68,12 @@ void cif_refuse(void *c, const char *what);
 
 /* ---- symbols.c ---- */
 
+/* Return symbol i. */
 static inline cif_symbol *cif_symbol_at(const cif *c, size_t i) {
   return c->symbols->pdata[i];
 }
 
+/* Allocate the state; free it. */
 void cif_open(cif *c);
 void cif_clear(cif *c);
 /* Return the symbol that a number denotes at the current command; create the
@@ -85,17 +88,18 @@ void cif_make_cells(cif *c);
 
 /* ---- parse.c ---- */
 
+/* Read the file once: one pass. */
 void cif_parse(cif *c);
 
 /* ---- build.c: shapes and calls, in coordinates of the current symbol ---- */
 
-/* Add a box with the centre (x, y) and the length along the direction (dx,
-   dy). */
-
+/* Add a box with the centre (x, y) and the length along the direction (dx, dy).
+ */
 void cif_box(cif *c, int64_t length, int64_t width, int64_t x, int64_t y,
              int64_t dx, int64_t dy);
 /* Add c->points, in units, as a polygon. */
 void cif_polygon(cif *c);
+/* Add a wire along c->points, a round flash, a text, a call of a symbol. */
 void cif_wire(cif *c, int64_t width);
 void cif_flash(cif *c, int64_t diameter, int64_t x, int64_t y);
 void cif_label(cif *c, const char *label, int64_t x, int64_t y);

@@ -16,6 +16,7 @@
 
 /* ---- names by number ---- */
 
+/* A name with its number. */
 typedef struct oasis_name {
   uint64_t number; /* the key */
   char *text;
@@ -26,6 +27,7 @@ typedef struct oasis_name {
    strings. */
 enum { OASIS_NAMES = 4 };
 
+/* Return an empty table of names (oasis_name) by number. */
 GHashTable *oasis_names_new(void);
 
 /* ---- modal variables ---- */
@@ -53,10 +55,12 @@ enum {
   HAS_REPETITION = 1 << 17
 };
 
+/* A displacement or a point. */
 typedef struct oasis_vector {
   int64_t x, y; /* within +-2^33 */
 } oasis_vector;
 
+/* A list of points. */
 typedef struct oasis_points {
   oasis_vector *p;
   size_t n, capacity;
@@ -99,6 +103,7 @@ typedef struct oasis_modal {
 
 /* ---- the reader ---- */
 
+/* State of the reader. */
 typedef struct oasis {
   reading b;
   int naming; /* 1: this pass reads only names */
@@ -168,13 +173,16 @@ int oasis_refill(oasis *o);
 
 /* ---- numbers.c ---- */
 
+/* Read a byte. */
 static inline uint32_t oasis_byte(oasis *o) {
   if (o->p == o->end && !oasis_refill(o)) return 0;
   return *o->p++;
 }
 
+/* Read the bytes of an unsigned integer after its first byte. */
 uint64_t oasis_long_uint(oasis *o, uint32_t first);
 
+/* Read an unsigned integer. */
 static inline uint64_t oasis_uint(oasis *o) {
   uint32_t b = oasis_byte(o);
   return b < 0x80 ? b : oasis_long_uint(o, b);
@@ -208,6 +216,8 @@ void oasis_skip_string(oasis *o);
 
 /* ---- lookup.c: names; oasis_referred returns NULL after a failure ---- */
 
+/* Read a name record; read a reference to a name, by number or as text; return
+   the text of a reference in a table of names. */
 void oasis_read_name(oasis *o, uint64_t record);
 void oasis_read_reference(oasis *o, int by_number, oasis_reference *to);
 const char *oasis_referred(oasis *o, int table, const oasis_reference *to);
@@ -217,14 +227,17 @@ void oasis_read(void *o);
 
 /* ---- lists.c ---- */
 
+/* Read a list of points (`closed`: of a polygon); read a repetition. */
 void oasis_read_points(oasis *o, oasis_points *points, int closed);
 void oasis_read_repetition(oasis *o);
 /* Return the number of members of an element; 1 unless `repeated`. */
 uint64_t oasis_members(const oasis *o, int repeated);
 oasis_vector oasis_member(const oasis *o, int repeated, uint64_t i);
 
-/* ---- shapes.c, elements.c: read a record after its record number ---- */
+/* ---- shapes.c, elements.c ---- */
 
+/* Read the record of the name after its record number, and add its elements to
+   the layout. */
 void oasis_read_rectangle(oasis *o);
 void oasis_read_polygon(oasis *o);
 void oasis_read_path(oasis *o);

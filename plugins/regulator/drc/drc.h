@@ -11,9 +11,11 @@
 /* Sides of a box; also search directions. */
 enum { LEFT, RIGHT, BELOW, ABOVE, SIDES };
 
+/* Return 1 for LEFT and RIGHT. */
 static inline int side_upright(int side) {
   return side == LEFT || side == RIGHT;
 }
+/* Return the opposite side. */
 static inline int side_opposite(int side) { return side ^ 1; }
 
 /* Boxes with a spatial index. An edge is a box of width or height 0. */
@@ -31,6 +33,7 @@ typedef struct response {
   int seen;     /* 1: an earlier measurement exists */
 } response;
 
+/* Kinds of sites. */
 enum {
   SITE_ENCLOSURE, /* a contact that the layer must cover */
   SITE_CONTACT,   /* a contact that poly must not touch */
@@ -110,11 +113,13 @@ typedef struct smoothing {
                           is on the mask */
 } smoothing;
 
+/* A list of smoothed places. */
 typedef struct smoothings {
   smoothing *at;
   size_t n, capacity;
 } smoothings;
 
+/* The instance of regulator.drc. */
 typedef struct drc {
   const opc_host *host;
   double overlay, min_extension, want_extension, max_growth, max_head;
@@ -164,6 +169,7 @@ typedef struct violations {
 
 /* ---- near.c: search by place ---- */
 
+/* Return the box with two opposite corners. */
 eda_box box_between(eda_point a, eda_point b);
 
 /* Take ownership of `box`; build the index. `nm`: typical search distance. */
@@ -204,10 +210,12 @@ void violations_add(violations *l, eda_violation v);
 
 /* ---- sites.c: sites at which the image is checked ---- */
 
+/* Find the sites of a layout. */
 int sites_find(drc *r, opc_error *error);
 
 /* ---- ends.c: displacements and heads of line ends ---- */
 
+/* Find the line ends of a layout. */
 void ends_find(drc *r);
 /* Displace a line end outwards if the printed extension is too short, or widen
    the head if the line end is at its limit. `bias`: on entry the present

@@ -11,6 +11,7 @@
 
 #include <eda/imaging.h>
 
+/* Radii and grid. */
 typedef struct local_settings {
   double radius, slope_radius; /* radii R of M and S, nm; slope_radius 0: slope
                                   at the position itself */

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Common header of the files of score.iccad: pixels of 1 nm on a periodic
-   square tile. */
+   square tile. The target is the pattern that shall print. */
 #pragma once
 
 #include <eda/gates.h>
 #include <eda/resist.h>
 
+/* A tile. */
 typedef struct iccad_tile {
   int32_t x0, y0; /* lower left corner, nm */
   int32_t side;   /* nm, equal to the number of pixels */

@@ -6,10 +6,12 @@
 
 #include <opcflow/base.h>
 
+/* A row of the table. */
 typedef struct first_correction {
   double length, width, adjust; /* nm */
 } first_correction;
 
+/* The table. */
 typedef struct first_table {
   first_correction *row;
   size_t count;

@@ -31,6 +31,7 @@ typedef struct epe_fragment {
   uint8_t hole;   /* 1: the polygon is a hole */
 } epe_fragment;
 
+/* Ends of a fragment: at `from`, at `to`. */
 enum { EPE_FROM = 1, EPE_TO = 2 };
 
 /* States of an edge, a bit set. EPE_NARROWED: the bounds of a fragment were
@@ -39,6 +40,7 @@ enum { EPE_FROM = 1, EPE_TO = 2 };
    shift. */
 enum { EPE_NARROWED = 1, EPE_SHORT = 2, EPE_WHOLE = 4 };
 
+/* Return the length of a fragment. */
 static inline double epe_length(const epe_fragment *p) {
   return abs(p->to.x - p->from.x) + abs(p->to.y - p->from.y);
 }
@@ -76,6 +78,7 @@ static inline double epe_within(double x, double low, double high) {
   return epe_min(epe_max(x, low), high);
 }
 
+/* The fragments of a layer, with their state. */
 typedef struct epe_layer {
   const opc_context *context;
   const epe_rules *rules;

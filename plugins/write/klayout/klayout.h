@@ -18,6 +18,7 @@ typedef struct sheet {
   char number[32], name[64];
 } sheet;
 
+/* The instance of write.klayout. */
 typedef struct klayout {
   oasis file; /* first member, passed to the stream's functions */
   const eda_mask *mask;

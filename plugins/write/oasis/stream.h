@@ -13,6 +13,7 @@ typedef struct strings {
   GPtrArray *texts;    /* owned by the layout */
 } strings;
 
+/* An OASIS file under construction. */
 typedef struct oasis {
   writer w;
   eda_layer_number layer;

@@ -15,11 +15,15 @@ typedef struct cell {
 
 /* A transistor of the layout that is transistor `gate` of a cell. */
 typedef struct cell_match {
-  uint32_t place, gate; /* index of the transistor in the request */
-  uint32_t cell;        /* index in cells */
-  uint8_t flip;         /* EDA_FLIP_* of the placed cell */
+  uint32_t
+      place; /* index of the transistor in the array `number` of cells_find */
+  uint32_t gate; /* index of the transistor in cell.gates */
+  uint32_t cell; /* index in cells */
+  uint8_t flip;  /* EDA_FLIP_* of the placed cell */
 } cell_match;
 
+/* All cells with transistors, and the transistors of the layout that match
+   them. */
 typedef struct cells {
   cell *cell;
   cell_match *match; /* ordered by cell, then by place */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Dissection of a window's mask into the masks of territories, in the
-   coordinates of their cells, and the mask outside of territories. */
+   coordinates of their cells, and the mask outside of territories. A territory
+   is the box of a placed cell (outline.h). */
 #pragma once
 
 #include <eda/chip.h>
@@ -23,11 +24,12 @@ typedef struct cutter {
    equal bytes. */
 typedef struct clip {
   GBytes *shapes;
-  eda_point at;
-  uint32_t number;
-  uint8_t orientation;
+  eda_point at;        /* as in territory */
+  uint32_t number;     /* as in territory */
+  uint8_t orientation; /* as in territory */
 } clip;
 
+/* The mask of a window, divided into territories and the remainder. */
 typedef struct clips {
   clip *clip; /* territories that begin in the core and are not empty */
   size_t count;

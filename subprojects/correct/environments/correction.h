@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Records of corrected transistors, by which work units pass masks to the
-   chip. */
+/* Records of corrected transistors. A work unit corrects the representatives of
+   some classes (one transistor of each class) and writes a record of each.
+   correction_take adds the mask of a record to the chip (eda/chip.h), which has
+   the masks of all classes. */
 #pragma once
 
 #include <correct/loop.h>
@@ -9,7 +11,8 @@
 
 /* Record of a corrected transistor, followed by its parts and boxes. */
 typedef struct corrected {
-  uint32_t place, unused; /* unused: explicit padding */
+  uint32_t place, unused; /* number of the transistor, as passed to
+                             correction_put; unused: explicit padding */
   eda_chip_mask mask;
   drawn_print before;
   double off; /* |Ion deviation| with `mask`, %; INFINITY: none */
@@ -23,7 +26,8 @@ typedef struct inner {
   size_t done, count; /* finished parts; number of parts */
 } inner;
 
-/* Set up the host of a loop; it must not be moved. */
+/* Set up the host of a loop; *out must not move in memory. `done`: number of
+   finished parts; `count`: number of parts. */
 void correction_host(work *work, size_t done, size_t count, inner *out);
 
 /* Append the records of the gates i of a loop with place[i] != UINT32_MAX.
@@ -35,8 +39,9 @@ int correction_put(const work *work, const loop *loop, const uint32_t *place,
 /* Read the record at `at`. Return the next record, or `end`. */
 const char *correction_next(const char *at, corrected *out);
 
-/* Read the header of the records from `at`, and add its counts to those of the
-   work (NULL: none). Return the first record. */
+/* Read the header before the records at `at`, and add the numbers of
+   simulations in the header to those of `work`; `work` may be NULL. Return the
+   first record. */
 const char *correction_begin(work *work, const char *at);
 
 /* Add the mask of the record at `at` to the chip. Return its number. */

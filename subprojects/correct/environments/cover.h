@@ -10,6 +10,7 @@ typedef struct clip {
   size_t first, count; /* positions in cover.place */
 } clip;
 
+/* All clips. */
 typedef struct cover {
   clip *clip;
   size_t count, capacity;

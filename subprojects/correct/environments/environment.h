@@ -4,6 +4,7 @@
 
 #include <eda/gates.h>
 
+/* Length of a checksum, bytes. */
 enum { SUM_SIZE = 16 };
 
 /* Checksum of an environment, mirrored by `flip` (EDA_FLIP_*) along the

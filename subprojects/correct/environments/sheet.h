@@ -21,6 +21,7 @@ typedef struct pages {
 void pages_make(const cover *cover, int32_t most, int32_t gap, pages *out);
 void pages_clear(pages *pages);
 
+/* A sheet. */
 typedef struct sheet {
   eda_gates *gates;
   uint32_t *of;    /* [gates], number in the chip */

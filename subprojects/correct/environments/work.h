@@ -27,6 +27,7 @@ typedef struct found {
   uint32_t kind; /* cells_kind */
 } found;
 
+/* Figures of a transistor as printed from the drawn mask. */
 typedef struct drawn_print {
   eda_figures figures;
   uint32_t flags, unused; /* EDA_PRINT_*; unused: explicit padding */
@@ -55,6 +56,7 @@ typedef struct alone {
 /* Rule violations (faults.c). */
 typedef struct faults faults;
 
+/* State of the correction. */
 struct division {
   const opc_host *host;
   const correct_settings *with;
@@ -97,6 +99,7 @@ struct division {
   double share, done; /* progress: share of this phase; sum of the shares of
                          earlier phases */
 };
+/* Name of the state in this folder. */
 typedef struct division work;
 
 /* Find all transistors window by window and group them into classes. Fill
@@ -143,8 +146,8 @@ double print_deviation(const class_result *print);
 double print_beyond(const work *work, const eda_chip_gate *gate);
 /* Return the |Ion deviation|, %, beyond which a mask is refined. */
 double mask_limit(const work *work, uint32_t mask);
-/* Return 1 if a refinement with `max_diff` starts from the present masks, and
-   only transistors beyond their limits leave these. */
+/* Return 1 if a refinement with `max_diff` starts from the present masks, so
+   that only transistors beyond their limits get another mask. */
 int work_continues(const work *work);
 /* Return 1 if the masks are simulated by the fast model, and the results
    corrected by the ratio of the models in the cells. */

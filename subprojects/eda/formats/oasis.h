@@ -13,10 +13,12 @@ typedef struct oasis_shape {
                    `at` */
 } oasis_shape;
 
+/* A displacement. */
 typedef struct oasis_step {
   int64_t x, y;
 } oasis_step;
 
+/* The writer. */
 struct eda_oasis {
   FILE *file;     /* NULL: bytes are only counted */
   uint64_t place; /* current offset in the file, bytes */

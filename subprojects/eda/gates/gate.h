@@ -5,6 +5,7 @@
 
 #include <eda/extractor.h>
 
+/* Largest number of lengths that a gate keeps. */
 enum { EDA_GATE_LENGTHS = 256 };
 
 /* A gate. Coordinates are in nm; array index 0 is the direction along L, 1 the

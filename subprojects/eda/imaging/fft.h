@@ -8,6 +8,7 @@
 #include <complex.h>
 #include <stddef.h>
 
+/* Transforms of a line of n numbers. */
 enum {
   EDA_FFT_BACKWARD,     /* sum a[k] exp(+2 pi i k x / n), in place */
   EDA_FFT_FORWARD,      /* sum a[x] exp(-2 pi i k x / n), in place */

@@ -7,10 +7,13 @@
 
 #include <stddef.h>
 
+/* Number of lines transformed together. */
 enum { EDA_LANES = 16 };
 
+/* A number of each line. */
 typedef float eda_vector __attribute__((vector_size(4 * EDA_LANES)));
 
+/* A complex number of each line. */
 typedef struct eda_lanes {
   eda_vector re, im;
 } eda_lanes;

@@ -6,8 +6,10 @@
 
 #include <eda/imaging.h>
 
+/* Number of samples stored beyond each side of a period. */
 enum { EDA_RASTER_MARGIN = 6 };
 
+/* A raster. */
 typedef struct eda_raster {
   double dx, dy; /* grid steps, nm; sample (0, 0) is at the lower left corner of
                     the frame */
@@ -31,6 +33,7 @@ void eda_raster_slanted(const eda_raster *raster, double ax, double ay,
 /* Write the samples [y][x] of one period, in single precision. */
 void eda_raster_sum(const opc_context *context, eda_raster *raster, float *out);
 
+/* Free the array. */
 void eda_raster_clear(eda_raster *raster);
 
 /* Return the Fourier transform of the smoothing B-spline at f cycles per

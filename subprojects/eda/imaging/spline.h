@@ -4,6 +4,8 @@
 #pragma once
 
 #include <eda/imaging.h>
+/* Degrees of the splines, and numbers of splines that are not 0 at a point
+   (taps). */
 enum {
   EDA_SPLINE_TAPS = 6, /* quintic B-splines, for fields */
   EDA_RASTER_DEGREE =

@@ -19,6 +19,7 @@ float *eda_values_new(size_t n);
 void eda_values_free(float *values);
 extern int (*eda_values_take)(float *values);
 
+/* Return the complex number of a real and an imaginary part. */
 static inline float complex eda_complex_of(const double a[2]) {
   return (float)a[0] + (float)a[1] * I;
 }

@@ -5,12 +5,14 @@
 #include <eda/layout.h>
 #include <glib.h>
 
+/* Kinds of nodes of an expression. */
 typedef enum expression_kind {
   EXPRESSION_LAYER,
   EXPRESSION_BOOLEAN,
   EXPRESSION_GROW
 } expression_kind;
 
+/* A node of an expression, with its operands. */
 typedef struct expression {
   expression_kind kind;
   int op;        /* BOOLEAN: EDA_OR ... EDA_XOR */

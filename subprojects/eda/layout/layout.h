@@ -34,18 +34,21 @@ typedef struct sheet {
                    `numbered` */
 } sheet;
 
+/* A text of a cell. */
 typedef struct label {
   eda_point at;
   int32_t layer;
   uint32_t text; /* offset in eda_layout.strings */
 } label;
 
+/* A placed cell. */
 typedef struct instance {
   eda_placement placement;
   int32_t child;
   uint32_t name; /* offset in eda_layout.strings; 0: no name */
 } instance;
 
+/* A cell. */
 typedef struct cell {
   char *name;
   sheet *sheets;
@@ -70,6 +73,7 @@ typedef struct cell {
 /* Limit of counted placements: one more than 32 bits can represent. */
 #define EDA_MANY ((uint64_t)UINT32_MAX + 1)
 
+/* A layout. */
 struct eda_layout {
   double unit;
   cell *cells;
@@ -100,6 +104,7 @@ static inline size_t sheet_boxes(const sheet *s) {
   return s->n_small + s->n_boxes;
 }
 
+/* Return box i of a sheet. */
 static inline eda_box sheet_box(const sheet *s, size_t i) {
   if (i >= s->n_small) return s->boxes[i - s->n_small];
   const small_box *b = &s->small[i];

@@ -27,8 +27,9 @@ typedef struct reach {
 const reach *eda_layout_reach(const eda_layout *layout, int32_t layer,
                               bool texts);
 
+/* Return whether an extent contains no point; return whether two extents share
+   a point. */
 static inline bool extent_empty(extent e) { return e.x0 > e.x1; }
-
 static inline bool extents_touch(extent a, extent b) {
   return a.x0 <= b.x1 && b.x0 <= a.x1 && a.y0 <= b.y1 && b.y0 <= a.y1;
 }

@@ -4,12 +4,14 @@
 
 #include <eda/netlist.h>
 
+/* A word of a line. */
 typedef struct word {
   const char *text;
   eda_place at;
   int quoted; /* 1: an expression or file name within quotes or braces */
 } word;
 
+/* A line with its continuation lines. */
 typedef struct line {
   size_t words, capacity;
   word *word;
@@ -19,6 +21,7 @@ typedef struct line {
   double x, y; /* position from a comment, nm; NAN: none */
 } line;
 
+/* State of the reader of lines. */
 typedef struct eda_lines {
   opc_error *error;
   eda_pool *pool;

@@ -10,6 +10,7 @@
 /* Figures of a transistor after correction, in gates.csv. */
 enum { FIGURE_ION, FIGURE_IOFF, FIGURE_AREA, FIGURES };
 
+/* Pairs of transistors of two runs. */
 typedef struct transistors {
   eda_table *base,
       *other; /* owned by the runs; NULL: a run has no transistor table */
@@ -45,6 +46,8 @@ typedef struct changes {
   GArray *cells;           /* elements: a type private to changes.c */
 } changes;
 
+/* Return changes without pairs; add the changes of a figure (FIGURE_ION ...) of
+   all pairs; free the changes. */
 changes changes_new(void);
 void changes_add(changes *c, const transistors *t, int figure);
 void changes_clear(changes *c);

@@ -7,6 +7,7 @@
 #include <eda/memory.h>
 #include <eda/segment.h>
 
+/* Layers that decide the type of a transistor. */
 enum { NWELL, PWELL, NIMPLANT, PIMPLANT, DOPINGS };
 enum { LOW = 0, HIGH = 1 }; /* sides */
 
@@ -35,6 +36,7 @@ typedef struct source {
   int drawn_at_all; /* whether the layout has shapes on `from` */
 } source;
 
+/* State of a segmentation. */
 typedef struct segment {
   const opc_context *context;
   opc_error *error;
@@ -67,6 +69,7 @@ typedef struct segment {
    the optical resolution, and so does the smallest gate length. */
 enum { NOT_GIVEN = -1 };
 
+/* Return the coordinate d of a side (LOW, HIGH) of a box. */
 static inline int32_t box_side(const eda_box *b, int d, int side) {
   return d == EDA_X ? (side ? b->x1 : b->x0) : (side ? b->y1 : b->y0);
 }

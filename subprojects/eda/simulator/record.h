@@ -7,6 +7,7 @@
 
 #include <stdint.h>
 
+/* Kinds of records. */
 enum {
   WORDS = 'w',   /* line printed by the simulator */
   TROUBLE = 't', /* error message; ends the run */
@@ -14,13 +15,14 @@ enum {
                     run */
   NO_OSDI = 'o', /* the library of ngspice has no OSDI support; ends the run */
   COMMAND = 'c', /* command that is about to run */
-  STATE = 's',   /* latest point of the running command, as text */
+  STATE = 's',   /* progress of the running command, as text */
   PLOT = 'p',    /* name of a plot */
   NAME = 'n',    /* name of a vector of the last plot */
   VALUES = 'v',  /* values of the last vector: doubles */
   DONE = 'd'     /* all commands have finished */
 };
 
+/* Header of a record. */
 typedef struct record {
   uint64_t kind, bytes;
 } record;

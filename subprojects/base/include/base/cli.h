@@ -15,8 +15,8 @@ void cli_message(const char *kind, const char *format, ...) OPC_PRINTF(2, 3);
 /* Write an error message and return FALSE. */
 #define cli_refuse(...) (cli_message("error", __VA_ARGS__), FALSE)
 
-/* Suppress all later output of this process, because another rank prints the
-   same output. */
+/* Suppress all later output of this process. For all but the first of several
+   processes that run one flow together, which would print the same output. */
 void cli_be_silent(void);
 
 /* Return whether messages go to a terminal whose cursor can be moved. */
@@ -53,12 +53,12 @@ gboolean cli_is_written(void);
    of a variable that receives the value. If the option is not used, *list (read
    by cli_list) is NULL. */
 typedef struct cli_option {
-  const char *name; /* without dashes; NULL ends a table of options */
-  const char *help;
+  const char *name;     /* without dashes; NULL ends a table of options */
+  const char *help;     /* one line for --help */
   const char *argument; /* name of the argument in the help; NULL for a flag */
-  gboolean *flag;
-  const char **text;
-  GPtrArray **list;
+  gboolean *flag;       /* set to TRUE */
+  const char **text;    /* set to the argument */
+  GPtrArray **list;     /* collects the arguments; the option may be repeated */
 } cli_option;
 
 /* Read the option at words[*i] of n words and advance *i to the last word of

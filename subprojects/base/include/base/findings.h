@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Findings of a run: faults of results that the user must not miss. */
+/* Findings of a run: faults of results that the user must not miss. The path of
+   an instance (a plugin in the flow) is the name of its step and of the slots
+   to it: "mask.litho". */
 #pragma once
 
 #include <glib.h>
@@ -9,7 +11,7 @@ typedef struct opc_finding {
   size_t point; /* point of a sweep, from 1; 0 for a step that is not part of a
                    point */
   char *path;   /* path of the instance: "step.slot" */
-  char *text;
+  char *text;   /* message of the plugin */
 } opc_finding;
 
 /* The first 100 distinct findings, and the number of further findings. */
@@ -18,6 +20,7 @@ typedef struct opc_findings {
   size_t more;     /* number of findings not kept, repetitions included */
 } opc_findings;
 
+/* Initialise and clear a list. */
 void opc_findings_init(opc_findings *findings);
 void opc_findings_clear(opc_findings *findings);
 

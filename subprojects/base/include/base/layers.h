@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Layers: trees of changes that are applied to another tree. Examples: a flow
-   that extends another flow, a variant, --set, a point of a sweep, and a map
-   that changes the default plugin of a slot. */
+/* Layers of changes (not of a layout): trees that are merged over another tree.
+   Examples: a flow that extends another flow, a variant, --set, a point of a
+   sweep, and a map that changes the default plugin of a slot. */
 #pragma once
 
 #include <base/node.h>

@@ -11,6 +11,7 @@ typedef struct opc_values {
   GPtrArray *stars; /* char *, part of each text that matched the star, or "" */
 } opc_values;
 
+/* Initialise and clear a list. */
 void opc_values_init(opc_values *v);
 void opc_values_clear(opc_values *v);
 

@@ -14,8 +14,10 @@ typedef struct opc_source {
   char *layer;  /* "variant epe", "sweep"; NULL for the file itself */
 } opc_source;
 
+/* Type of a node. */
 typedef enum { OPC_NODE_TEXT, OPC_NODE_LIST, OPC_NODE_MAP } opc_node_type;
 
+/* A node of a tree. */
 typedef struct opc_node {
   opc_node_type type;
   const opc_source *source; /* must outlive the node */
@@ -26,9 +28,11 @@ typedef struct opc_node {
   GPtrArray *items; /* opc_node * of a list or map */
 } opc_node;
 
+/* Return a source with copies of both texts (opc_source_free). */
 opc_source *opc_source_new(const char *name, const char *folder);
 /* Return a source for a named layer of a file, such as a variant. */
 opc_source *opc_source_layer(const opc_source *file, const char *layer);
+/* Free a source. */
 void opc_source_free(opc_source *source);
 
 /* Return the tree of a text; NULL and problems if the text is invalid. Unlike
@@ -49,11 +53,14 @@ GPtrArray *opc_node_parse_all(const opc_source *source, const char *text,
 GPtrArray *opc_node_read_all(const opc_source *source, const char *path,
                              opc_problems *problems);
 
+/* Return a new text, or a new empty map at a place of the source
+   (opc_node_free). */
 opc_node *opc_node_text_new(const opc_source *source, const char *text);
 opc_node *opc_node_map_new(const opc_source *source, const opc_place *at);
 /* Return a deep copy, with the origin `source` or, if `source` is NULL, the
    origin of `node`. */
 opc_node *opc_node_copy(const opc_node *node, const opc_source *source);
+/* Free a node and all nodes below. */
 void opc_node_free(opc_node *node);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_node, opc_node_free)
 

@@ -13,16 +13,19 @@ typedef struct opc_place {
   unsigned line, column;
 } opc_place;
 
+/* A problem. */
 typedef struct opc_problem {
   opc_place at; /* owns its `file` */
   int code;     /* OPC_INVALID, OPC_NO_PLUGIN, OPC_IO ... */
   char *message;
 } opc_problem;
 
+/* A list of problems. */
 typedef struct opc_problems {
   GPtrArray *list; /* opc_problem *, in the order of their discovery */
 } opc_problems;
 
+/* Return an empty list; free a list with its problems. */
 opc_problems *opc_problems_new(void);
 void opc_problems_free(opc_problems *problems);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_problems, opc_problems_free)

@@ -23,7 +23,8 @@ const char *opc_nearest(const char *word, const GPtrArray *words);
    returns. */
 char *opc_suggestion_of_id(const char *id, const GPtrArray *ids);
 
-/* Return ", did you mean 'x'?" or "" (g_free). */
+/* Return ", did you mean 'x'?" (g_free), x being the word that opc_nearest
+   returns; "" if there is none. */
 char *opc_suggestion(const char *word, const GPtrArray *words);
-/* The same for a NULL-terminated list. */
+/* Return the same as opc_suggestion, for a NULL-terminated list of words. */
 char *opc_suggestion_of(const char *word, char *const *words);

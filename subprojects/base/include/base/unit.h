@@ -4,6 +4,7 @@
 
 #include <glib.h>
 
+/* A unit of measure. */
 typedef struct opc_unit opc_unit;
 
 /* Return a unit by name, NULL if unknown. */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Result codes, errors, threads, and modules (objects with their functions).
    The core and the library eda, which do not depend on each other, share these
-   types. [any]: may be called from several threads at once. */
+   types. A plugin is a shared object; the host is the program that loads
+   plugins (plugin.h). [any]: may be called from several threads at once. */
 #pragma once
 
 #include <stdarg.h>
@@ -20,6 +21,8 @@
 
 OPC_C_BEGIN
 
+/* Attributes: exported function; function with a format as printf; function
+   that a file may leave unused. */
 #if defined(__GNUC__)
 #define OPC_EXPORT __attribute__((visibility("default")))
 #define OPC_PRINTF(f, a) __attribute__((format(printf, f, a)))
@@ -51,9 +54,9 @@ enum {
    above and, on failure, fills its last argument, an `opc_error *` other than
    NULL. `parameter` is the name of the parameter at fault, or empty. */
 typedef struct opc_error {
-  int32_t code;
+  int32_t code; /* OPC_INVALID ... */
   char parameter[64];
-  char message[956];
+  char message[956]; /* fault, place, found and expected value */
 } opc_error;
 
 /* Fill *error and return `code`: `return opc_fail(error, OPC_FAILED, NULL,
@@ -93,6 +96,8 @@ struct opc_context {
   OPC_MAY_GROW
 };
 
+/* Call context->parallel; without a context, call the tasks one after another.
+ */
 OPC_UNUSED static inline void opc_parallel(const opc_context *context, size_t n,
                                            void (*task)(void *data, size_t i),
                                            void *data) {
@@ -103,15 +108,16 @@ OPC_UNUSED static inline void opc_parallel(const opc_context *context, size_t n,
     for (i = 0; i < n; i++) task(data, i);
 }
 
+/* Call context->cancelled; without a context, return 0. */
 OPC_UNUSED static inline int opc_cancelled(const opc_context *context) {
   return context && context->cancelled(context);
 }
 
+/* Call context->enter and context->leave; without a context, do nothing. */
 OPC_UNUSED static inline const char *opc_enter(const opc_context *context,
                                                const char *id) {
   return context ? context->enter(context, id) : NULL;
 }
-
 OPC_UNUSED static inline void opc_leave(const opc_context *context,
                                         const char *before) {
   if (context) context->leave(context, before);
@@ -120,9 +126,9 @@ OPC_UNUSED static inline void opc_leave(const opc_context *context,
 /* An object with its functions: a struct of function pointers, declared by the
    header of a plugin kind. Each function receives `self` first. */
 typedef struct opc_module {
-  const void *functions;
-  void *self;
-  const char *id; /* id of the plugin: "litho.hopkins" */
+  const void *functions; /* struct of functions of the kind of plugin */
+  void *self;            /* instance of the plugin */
+  const char *id;        /* id of the plugin: "litho.hopkins" */
 } opc_module;
 
 OPC_C_END

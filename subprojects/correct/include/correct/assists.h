@@ -7,7 +7,7 @@
 #include <eda/srafs.h>
 #include <opcflow/plugin.h>
 
-struct loop;
+struct loop; /* loop.h */
 
 /* Parameters and scatter bars of a correction (struct loop, correct/loop.h);
    lengths in nm. */
@@ -29,6 +29,7 @@ int32_t correct_steps(const eda_gates *gates, double nm);
    synthesizer dissects the poly layer or a scatter bar is narrower than the
    mask grid. */
 OPC_EXPORT int correct_assists_begin(struct loop *loop, opc_error *error);
+/* Free the scatter bars. */
 OPC_EXPORT void correct_assists_clear(struct loop *loop);
 
 /* Return OPC_INVALID if a scatter bar of the loop's next mask, placed by any
@@ -44,6 +45,7 @@ OPC_EXPORT void correct_assists_watch(struct loop *loop);
 OPC_EXPORT int correct_assists_report(const struct loop *loop,
                                       opc_error *error);
 
+/* Declare the parameters of the field `assists` of the step `state`. */
 #define ASSISTS_LENGTH(state, name_, member, from_, text)                    \
   OPC_PARAMETER_NAMED(name_, state, assists.member, .type = OPC_REAL,        \
                       .flags = OPC_AT_LEAST, .unit = "nm", .follows = from_, \

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Correction of a layout by classes: transistors in equivalent optical
-   environments get the same mask. The result is a mask by classes
-   (eda/gates.h). All functions are for the main thread. */
+   environments form a class and get the same mask. The environment of a
+   transistor is the shapes within the range of optical interaction. The result
+   is a mask by classes (eda/gates.h). All functions are for the main thread. */
 #pragma once
 
 #include <eda/chip.h>
@@ -24,13 +25,14 @@ typedef struct classes_cells {
 typedef struct classes_request {
   const opc_host *host;
   const eda_layout *layout;
-  const char *top; /* NULL: the only cell that no other places */
+  const char *
+      top; /* name of the cell; NULL: the only cell that no other cell places */
   eda_segment_settings segment;
   const correct_settings *with;
   double radius;  /* nm, within which equal shapes get equal masks; NAN: default
                    */
   double margin;  /* nm, range of optical interaction */
-  double window;  /* side of a window, nm */
+  double window;  /* side of the squares in which the layout is read, nm */
   int64_t rounds; /* largest number of rounds in which classes are split */
   classes_cells cells;
 } classes_request;
@@ -47,15 +49,19 @@ typedef struct classes_source {
 OPC_EXPORT double correct_classes_margin(const correct_settings *with,
                                          double margin);
 
+/* A layout, divided into classes. */
+typedef struct division division;
+
 /* Find all transistors of the layout and their classes of equal drawn
    environments; prepare the models. Free *out with correct_classes_free, also
    after an error. Returns OPC_INVALID if there are no transistors. */
-typedef struct division division;
 OPC_EXPORT int correct_classes_find(const classes_request *request,
                                     division **out, opc_error *error);
+/* Free a divided layout. */
 OPC_EXPORT void correct_classes_free(division *division);
 
-/* Return the number of classes. */
+/* Return the number of classes, and in *transistors the number of transistors.
+ */
 OPC_EXPORT size_t correct_classes_count(const division *division,
                                         size_t *transistors);
 
@@ -65,8 +71,9 @@ OPC_EXPORT int correct_classes_correct(division *division,
                                        const classes_source *source,
                                        void **mask, opc_error *error);
 
-/* Make a mask by classes without transistors, for opc_step.sketch; read a mask
-   that correct_save_mask wrote, for opc_step.restore. */
+/* correct_classes_sketch: make a mask by classes without transistors, for
+   opc_step.sketch. correct_classes_restore: read a mask that correct_save_mask
+   wrote, for opc_step.restore. */
 OPC_EXPORT int correct_classes_sketch(const classes_request *request,
                                       const classes_source *source, void **mask,
                                       opc_error *error);
@@ -75,6 +82,6 @@ OPC_EXPORT int correct_classes_restore(const classes_request *request,
                                        const char *folder, void **mask,
                                        opc_error *error);
 
-/* Give a mask by classes the functions of eda_mask_access. */
+/* Set eda_mask.access of a mask by classes. */
 OPC_EXPORT void correct_classes_access(eda_mask *mask,
                                        const classes_source *source);

@@ -7,18 +7,20 @@
 
 #include <eda/synthesizer.h>
 
+/* Phase of a transistor. */
 enum { CONTROL_COARSE, CONTROL_FINE, CONTROL_SETTLED };
 
 /* Verdict: state of a transistor, or the reason why its steps ended. */
 enum {
-  CONTROL_WITHIN,
-  CONTROL_GRID,
-  CONTROL_BRIDGING,
-  CONTROL_BIAS,
-  CONTROL_MOVING,
+  CONTROL_WITHIN,   /* |error| is within the limit */
+  CONTROL_GRID,     /* a step of the grid would increase |error| */
+  CONTROL_BRIDGING, /* vetoed by the regulator */
+  CONTROL_BIAS,     /* a bias has its largest value */
+  CONTROL_MOVING,   /* not finished */
   CONTROL_VERDICTS
 };
 
+/* State of a transistor. */
 typedef struct control {
   double error; /* error in the previous iteration, % */
   double rest;  /* error when the transistor left the coarse phase or restarted,

@@ -10,9 +10,9 @@
 
    Unless `free` is set, the mean difference between the corners and the nominal
    figure, over all transistors of a type, is not corrected. A change of dose
-   would have the same effect. The remaining
-   difference of a transistor is scaled down so that nominal Ion changes by at
-   most `ion_cost`. Flags, images and the final report refer to the nominal
+   would have the same effect as such a correction. The remaining difference of
+   a transistor is scaled down so that nominal Ion changes by at most
+   `ion_cost`. Flags, images and the final report refer to the nominal
    conditions; the history and the trace contain the means. Regulators receive
    the smallest extension over the nominal condition and all overlays. */
 #pragma once
@@ -50,6 +50,7 @@ typedef struct exposure {
   eda_shapes *mask; /* [layers], displaced mask; NULL: the loop's mask */
 } exposure;
 
+/* All corners of a correction. */
 typedef struct corners {
   corners_request request;
   size_t count, exposures; /* 0: no corners */
@@ -76,11 +77,12 @@ OPC_EXPORT size_t correct_corners_images(const corners_request *request);
    a mask error that is not a multiple of the mask grid, or a focus other than 0
    of a model with fixed focus. */
 OPC_EXPORT int correct_corners_begin(struct loop *loop, opc_error *error);
+/* Free the corners and their printers. */
 OPC_EXPORT void correct_corners_clear(struct loop *loop);
 
 /* Simulate layers of the loop's mask at all exposures except the nominal one.
-   layers[k]: 1: simulate layer k. `print` uses the fast model, `refine` the
-   accurate model. */
+   layers[k]: 1: simulate layer k. correct_corners_print uses the fast model,
+   correct_corners_refine the accurate model. */
 OPC_EXPORT int correct_corners_print(struct loop *loop, const uint8_t *layers,
                                      opc_error *error);
 OPC_EXPORT int correct_corners_refine(struct loop *loop, const uint8_t *layers,
@@ -98,6 +100,7 @@ OPC_EXPORT const double *correct_corners_extension(const struct loop *loop);
 OPC_EXPORT int correct_corners_report(const struct loop *loop,
                                       opc_error *error);
 
+/* Declare the parameters of the field `corners` of the step `state`. */
 #define CORNERS_PARAMETERS(state)                                              \
   OPC_PARAMETER_NAMED("corners.dose", state, corners.dose, .type = OPC_REALS,  \
                       .unit = "%", .preset = "[]",                             \
@@ -142,6 +145,7 @@ OPC_EXPORT int correct_corners_report(const struct loop *loop,
                               "Correct the whole mean over the corners, "      \
                               "without the bound ion_cost")
 
+/* Declare the metrics of correct_corners_report. */
 #define CORNERS_METRICS                                                      \
   {"corners_ion_sd", "%", OPC_LOWER, 0.01,                                   \
    "standard deviation of Ion of the n- or the p-transistors, at the worst " \

@@ -5,10 +5,11 @@
 #include <eda/gates.h>
 #include <eda/synthesizer.h>
 
-/* Displacements of all gates, in grid steps (see eda_moves). For gate i: width
-   w[i], shift along the width aside[i], length l[i], jog[i], line ends [2 * i +
-   side]; lengths of parts [EDA_PARTS * i + k]. The arrays are contiguous: first
-   w and aside of active, then the arrays of poly. */
+/* Displacements of all gates, in grid steps (see eda_moves). For gate i: w[i]
+   and l[i] are the biases of width and length; aside[i] is the shift of the
+   active along the width; jog[i] is the length of a jog. Line ends are end[2 *
+   i + side]; parts of the width are part[EDA_PARTS * i + k]. The arrays are
+   contiguous: first w and aside of active, then the arrays of poly. */
 typedef struct biases {
   int32_t *w, *aside, *l, *jog, *end;
   eda_part *part;
@@ -34,6 +35,7 @@ typedef struct pieces {
 OPC_EXPORT void correct_pieces_of_edges(const eda_edges *edges, int base,
                                         pieces *out);
 OPC_EXPORT void correct_pieces_of_cuts(const eda_cuts *cuts, pieces *out);
+/* Free the fragments. */
 OPC_EXPORT void correct_pieces_clear(pieces *pieces);
 
 /* Set the fragments of a layer's edges and displace them by the biases of their
@@ -50,6 +52,7 @@ OPC_EXPORT void correct_pieces_alloc(const pieces *pieces, eda_shapes *out);
  */
 OPC_EXPORT void correct_pieces_build(const pieces *pieces, eda_shapes *out);
 
+/* Several lists of boxes. */
 typedef struct boxes_lists {
   const eda_boxes *list;
   size_t count;

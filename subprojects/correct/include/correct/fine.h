@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Accuracy of simulations: largest image error, and width of the clear field
-   around the layout. */
+/* Accuracy of simulations: largest image error (difference of the intensity
+   from that of the model with all kernels), and width of the clear field around
+   the layout. */
 #pragma once
 
 #include <eda/print.h>

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The guard reverts displacements until no transistor is worse in the final
-   mask than in the drawn mask. A transistor is not worse if three conditions
-   hold: It prints if it prints with the drawn mask. With its edges, it violates
-   no rule of the regulator that it satisfies with the drawn mask. Its |Ion
-   deviation| is at most the larger of the value as drawn and the limit of the
-   loop.
+/* The guard of the correction (not that of the process, guard/guard.h) reverts
+   displacements until no transistor is worse in the final mask than in the
+   drawn mask. A transistor is not worse if three conditions hold: It prints if
+   it prints with the drawn mask. With its edges, it violates no rule of the
+   regulator that it satisfies with the drawn mask. Its |Ion deviation| is at
+   most the larger of the value as drawn and the limit of the loop.
 
    A worse transistor is reverted in steps: to its best displacements in the
    loop with the present line ends, to half of these displacements, and to the
@@ -51,6 +51,7 @@ typedef struct guarded {
   double x, y;       /* position of the cause, nm */
 } guarded;
 
+/* State of the guard. */
 typedef struct guard {
   guarded *state;           /* [gates] */
   uint32_t *flags;          /* [gates], EDA_PRINT_* of the mask as drawn */
@@ -61,6 +62,7 @@ typedef struct guard {
                                drawn, no longer printed */
 } guard;
 
+/* Set up a guard; free its arrays. */
 OPC_EXPORT void correct_guard_init(guard *guard, size_t gates);
 OPC_EXPORT void correct_guard_clear(guard *guard);
 

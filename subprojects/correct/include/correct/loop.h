@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The correction loop and its results. */
+/* The correction loop and its results. The loop simulates the mask and measures
+   each transistor; synthesizers then displace edges, until they are done. */
 #pragma once
 
 #include <eda/print.h>
@@ -39,20 +40,20 @@ typedef struct loop {
   int64_t max_iterations;
   loop_start start;      /* earlier mask from which the loop starts */
   const eda_moved *base; /* displacements of the start; NULL: none */
-  eda_boxes *begun;      /* [2 * layers], shapes added by the start, then its
-                            cut-outs */
-  uint8_t *still;        /* [gates], 1: the transistor keeps the mask of the
-                            start; NULL: no transistor does, or the choice has
-                            not been made yet */
-  int prepared;          /* 1: the extractor is prepared */
-  int traced;            /* 1: record each simulation in `trace` */
-  int hold;              /* 1: the guard reverts transistors worse than drawn */
-  double ion_limit;      /* largest |Ion deviation|, %, for the guard, the
-                            verification and synthesizers without a limit */
-  const double *rules;   /* [EDA_RULES], mask rules, nm; NULL: unknown */
-  double fine_change;    /* standard deviation of Ion, %, that image errors of
-                            accurate simulations may cause; 0: one image error
-                            for all layers (correct_fine_by_layer) */
+  eda_boxes *begun; /* [2 * layers], shapes that the start adds to each layer,
+                       then cut-outs of the start */
+  uint8_t *still;   /* [gates], 1: the transistor keeps the mask of the
+                       start; NULL: no transistor does, or the choice has
+                       not been made yet */
+  int prepared;     /* 1: the extractor is prepared */
+  int traced;       /* 1: record each simulation in `trace` */
+  int hold;         /* 1: the guard reverts transistors worse than drawn */
+  double ion_limit; /* largest |Ion deviation|, %, for the guard, the
+                       verification and synthesizers without a limit */
+  const double *rules; /* [EDA_RULES], mask rules, nm; NULL: unknown */
+  double fine_change;  /* standard deviation of Ion, %, that image errors of
+                          accurate simulations may cause; 0: one image error
+                          for all layers (correct_fine_by_layer) */
   driver drivers[DRIVERS];
   eda_printer printer;
   uint8_t *driver_of;   /* [layers], MAIN or EDGES */

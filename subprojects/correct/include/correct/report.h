@@ -101,11 +101,14 @@ typedef struct history_line {
   const char *model; /* "fine": accurate model; "cheap": fast model */
 } history_line;
 
+/* All simulated masks of the loop. */
 typedef struct history {
   history_line *line;
   size_t count, capacity;
 } history;
 
+/* Add a simulated mask (`fine`: 1: by the accurate model). Free the history.
+   Publish the history as a table. */
 OPC_EXPORT void correct_history_add(history *history, const summary *print,
                                     uint32_t iteration,
                                     const eda_printer *printer, int fine);
@@ -144,6 +147,7 @@ OPC_EXPORT int correct_report_transistors(const opc_host *host,
                     "table of a mask by classes has a row for each class " \
                     "(default: none)")
 
+/* Publish a table of n violations of design rules. */
 OPC_EXPORT int correct_report_violations(const opc_host *host,
                                          const eda_gates *gates,
                                          const eda_violation *violations,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Model-based sub-resolution assist features (SRAF): scatter bars in the clear
    field that narrow the process variability band. The band is the area between
-   the outermost and the innermost contour.
+   the outermost and the innermost contour under variations of dose and focus.
 
    The derivative of the band's area with respect to the mask transmission is
    computed from the images at the two contours. R. Socha and others use the
@@ -16,6 +16,7 @@
 
 struct loop;
 
+/* Parameters and state of the search. */
 typedef struct sraf_search_state {
   /* Parameters; `most` = 0 disables the search. */
   int64_t most, rounds, every; /* largest number of scatter bars; number of
@@ -40,6 +41,7 @@ typedef struct sraf_search_state {
 /* Check the parameters. Returns OPC_INVALID if the optical model provides no
    gradient or other scatter bars exist. Call after correct_assists_begin. */
 OPC_EXPORT int correct_search_begin(struct loop *loop, opc_error *error);
+/* Free the scatter bars. */
 OPC_EXPORT void correct_search_clear(struct loop *loop);
 
 /* Narrow the scatter bars that print or nearly print (within `margin`). Search
@@ -48,6 +50,7 @@ OPC_EXPORT void correct_search_clear(struct loop *loop);
 OPC_EXPORT int correct_search_watch(struct loop *loop, int done,
                                     opc_error *error);
 
+/* Declare the parameters of the field `search` of the step `state`. */
 #define SEARCH_LENGTH(state, name_, member, from_, text)                  \
   OPC_PARAMETER_NAMED("search." name_, state, search.member,              \
                       .former = "seek." name_, .type = OPC_REAL,          \

@@ -8,15 +8,16 @@
 #include <eda/rules.h>
 #include <opcflow/step.h>
 
-/* The guard (guard.h) reverts transistors that the correction made worse. AUTO:
-   on, unless the synthesizer dissects edges (`cut`). The displacements of
-   fragments around a transistor depend on each other; reverting only some of
-   them makes the transistor and its neighbours worse. */
+/* Whether the guard (guard.h) reverts transistors that the correction made
+   worse. AUTO: yes, unless the synthesizer dissects edges (`cut`). The
+   displacements of fragments around a transistor depend on each other;
+   reverting only some of them makes the transistor and its neighbours worse. */
 enum { CORRECT_GUARD_AUTO, CORRECT_GUARD_ON, CORRECT_GUARD_OFF };
 
 /* Default of ion_limit for steps without that parameter, %. */
 #define CORRECT_USUAL_LIMIT 0.5
 
+/* Models, accuracies and limits. */
 typedef struct correct_settings {
   const opc_module *litho, *resist, *extractor;
   const opc_module *synthesizer, *regulator; /* NULL: none */
@@ -29,7 +30,7 @@ typedef struct correct_settings {
   double margin;     /* clear field around the layout, nm */
   double ion_limit;  /* largest allowed |Ion deviation|, % */
   double rules[EDA_RULES]; /* limits of the mask rules, nm */
-  int guard;
+  int guard;               /* CORRECT_GUARD_AUTO ... */
 } correct_settings;
 
 /* Compute `fine` and `margin` from the parameters. Return OPC_INVALID with the

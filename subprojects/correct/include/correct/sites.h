@@ -5,6 +5,7 @@
 
 #include <eda/synthesizer.h>
 
+/* The sites of a layer, one for each fragment. */
 typedef struct sites {
   size_t count;
   double *place; /* x and y of each site, nm */
@@ -15,6 +16,7 @@ typedef struct sites {
 
 /* Set up the sites of fragments from `cuts`, which eda_check_cuts accepted. */
 OPC_EXPORT void correct_sites_init(sites *sites, const eda_cuts *cuts);
+/* Free the arrays. */
 OPC_EXPORT void correct_sites_clear(sites *sites);
 /* Measure the edge placement errors from a level set, in parallel. */
 OPC_EXPORT void correct_sites_measure(const opc_context *context,

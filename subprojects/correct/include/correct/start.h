@@ -10,6 +10,7 @@
 
 struct loop;
 
+/* Start of a loop. */
 typedef struct loop_start {
   const eda_mask *mask; /* NULL: start from the drawn edges */
   /* Largest increase of |Ion deviation| (thesis eq. 4.1), %, from mask->before

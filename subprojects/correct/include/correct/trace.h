@@ -7,6 +7,7 @@
 
 struct loop;
 
+/* A transistor in one simulation. */
 typedef struct trace_row {
   int64_t iteration;
   const char *name; /* name of the transistor; set by correct_trace_report */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* All displacements and shapes that define a mask. */
+/* All displacements and shapes that define a mask: a trial. */
 #pragma once
 
 #include <correct/edges.h>
@@ -12,7 +12,7 @@ enum {
   TRIAL_BIASES = TRIAL_ACTIVE_BIASES + TRIAL_POLY_BIASES
 };
 
-/* The arrays have one element per layer. */
+/* A mask of the loop. The arrays have one element per layer. */
 typedef struct trial {
   size_t layers, gates;
   biases biases;
@@ -30,6 +30,7 @@ OPC_EXPORT biases correct_biases_in(int32_t *all, size_t n);
 
 /* Set up a trial without displacements and shapes. */
 OPC_EXPORT void correct_trial_init(trial *trial, size_t layers, size_t gates);
+/* Free the arrays of a trial. */
 OPC_EXPORT void correct_trial_clear(trial *trial);
 
 /* Allocate the displacements, all 0, of a layer that is dissected into

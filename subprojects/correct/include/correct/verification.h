@@ -28,6 +28,7 @@ enum { VERIFICATIONS = 3 };
 
 /* Store the fast simulation of the drawn mask. */
 OPC_EXPORT int correct_verification_begin(struct loop *loop, opc_error *error);
+/* Free the stored mask and images. */
 OPC_EXPORT void correct_verification_clear(struct loop *loop);
 
 /* Return 1 if the last simulation is the first simulation of a displaced mask,

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Calls of modules (opc_module, base.h) of the kinds litho, resist, extractor,
-   synthesizer and regulator, and checks of the results. Each check returns
-   OPC_OK, or OPC_FAILED and a description in *error. eda_blame then adds the
-   slot, which is the parameter of a step that selects the module:
+/* Calls of modules of the kinds litho, resist, extractor, synthesizer and
+   regulator, and checks of the results. A module (opc_module, base.h) is an
+   instance of a plugin with its functions. Each check returns OPC_OK, or
+   OPC_FAILED and a description in *error. eda_blame then adds the slot, which
+   is the parameter of a step that selects the module:
 
      const char *before = eda_enter(context, module, error);
      int code = functions->extract(module->self, &slices, &out, error);
@@ -69,11 +70,11 @@ OPC_EXPORT int eda_check_violations(const eda_violation *violations, size_t n,
                                     size_t gates, opc_error *error);
 
 /* The functions below call a module and check all results. The module writes to
-   copies of the arrays between guard words, which detect writes beyond an
-   array. Texts must be UTF-8 of at most 200 bytes; they are copied and never
-   freed. Return OPC_OK and the results, or a code and *error for eda_blame. On
-   failure, *done, *verdict and *field are undefined, and other results are
-   unchanged. */
+   copies of the arrays. Known words before and after each copy detect writes
+   beyond the array. Texts must be UTF-8 of at most 200 bytes; they are copied
+   and never freed. Return OPC_OK and the results, or a code and *error for
+   eda_blame. On failure, *done, *verdict and *field are undefined, and other
+   results are unchanged. */
 
 /* Call eda_synthesizer.update; `fragments` as in eda_check_moves. */
 OPC_EXPORT int eda_call_update(const opc_context *context,
@@ -88,9 +89,10 @@ OPC_EXPORT int eda_call_verdict(const opc_context *context,
                                 const opc_module *synthesizer, size_t gate,
                                 const char **verdict, opc_error *error);
 
-/* Call eda_extractor.extract; out->outside may be NULL, and the caller checks
-   the figures by eda_check_performance. Call eda_extractor.slice; slicing[2 *
-   n] receives n places, then n widths, which are checked. */
+/* eda_call_extract: call eda_extractor.extract; out->outside may be NULL, and
+   the caller checks the figures by eda_check_performance. eda_call_slice: call
+   eda_extractor.slice; slicing[2 * n] receives n places, then n widths, which
+   are checked. */
 OPC_EXPORT int eda_call_extract(const opc_context *context,
                                 const opc_module *extractor,
                                 const eda_slices *slices, eda_performance *out,
@@ -106,8 +108,9 @@ OPC_EXPORT int eda_call_print(const opc_context *context,
                               const opc_module *resist, int layer,
                               eda_field *field, opc_error *error);
 
-/* Call eda_regulator.rule. Call eda_regulator.violations, which writes at most
-   `most` violations; *count is the number of all violations. */
+/* eda_call_rule: call eda_regulator.rule. eda_call_violations: call
+   eda_regulator.violations, which writes at most `most` violations; *count is
+   the number of all violations. */
 OPC_EXPORT int eda_call_rule(const opc_context *context,
                              const opc_module *regulator,
                              const eda_printed *printed, eda_ruling *ruling,

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Transistors of a mask by classes (eda_mask, gates.h): classes and edge
-   displacements of all transistors of a hierarchical layout. The mask of any
-   window follows from the displacements, so the whole layout need not be
-   flattened. [any]: see opcflow/plugin.h. */
+/* Transistors of a mask by classes: classes and edge displacements of all
+   transistors of a hierarchical layout. A class is a set of transistors whose
+   masks are equal within the range of optical interaction (eda_mask, gates.h).
+   The mask of any window (a rectangle of the layout) follows from the
+   displacements, so the whole layout need not be flattened. [any]: see
+   opcflow/plugin.h. */
 #pragma once
 
 #include <eda/gates.h>
@@ -13,7 +15,8 @@ OPC_C_BEGIN
 
 /* A transistor. The coordinates of its mask are l along L and w along W,
    counted from the low end of `box`, or from the high end where `flip` is set.
-   In these own coordinates, a cell has one mask for all eight orientations. */
+   In these coordinates, the "own coordinates" of a transistor, the mask of a
+   cell is equal in all eight orientations. */
 typedef struct eda_chip_gate {
   eda_box box;        /* drawn gate in the layout, grid units */
   uint32_t mask;      /* index in eda_chip.mask */
@@ -40,22 +43,26 @@ typedef struct eda_chip_box {
   uint16_t cutout;
 } eda_chip_box;
 
+/* All transistors of a layout. */
 typedef struct eda_chip {
   const eda_layout *layout; /* must outlive the chip */
-  int32_t top;
-  eda_segment_settings segment; /* settings of windows; the texts belong to the
-                                   creator and must outlive the chip */
-  double grid;                  /* mask grid, nm */
-  eda_box extent;     /* bounding box of all drawn shapes, grid units */
-  size_t layers;      /* number of layers, as in eda_gates */
-  char **layer;       /* names; freed with free() */
-  uint8_t *corrected; /* 1: corrected layer; eda_chip_free frees this and all
-                         further arrays by free() */
-  size_t count;
+  int32_t top;              /* number of the top cell */
+  eda_segment_settings
+      segment; /* settings for the segmentation of windows; the texts belong to
+                  the creator and must outlive the chip */
+  double grid; /* mask grid, nm */
+  eda_box extent;      /* bounding box of all drawn shapes, grid units */
+  size_t layers;       /* number of layers, as in eda_gates */
+  char **layer;        /* names; freed with free() */
+  uint8_t *corrected;  /* 1: corrected layer; eda_chip_free frees this and all
+                          further arrays by free() */
+  size_t count;        /* number of transistors */
   eda_chip_gate *gate; /* ordered by lowest, then leftmost corner */
   size_t masks;        /* elements of `mask` */
   size_t prints;       /* number of classes */
   size_t parts, boxes; /* elements of `part`, and of `box` */
+  /* Arrays of the lengths `masks`, `parts` and `boxes`; several transistors may
+     share a mask. */
   eda_chip_mask *mask;
   eda_part *part;
   eda_chip_box *box;
@@ -91,10 +98,10 @@ OPC_EXPORT int eda_chip_mask_restore(eda_chip *chip, const char *folder,
 /* Return the index of the transistor with this drawn box, or SIZE_MAX. [any] */
 OPC_EXPORT size_t eda_chip_find(const eda_chip *chip, eda_box box);
 
-/* Return the displacements of the gates of a window of the chip's layout, which
-   has the chip's grid and layers; the caller frees them with eda_moved_free.
-   Displacements are 0 for a gate that the chip lacks, for example one that the
-   window cuts. [any] */
+/* Return the displacements of the gates of a window of the layout; the window
+   has the grid and the layers of the chip. The caller frees the displacements
+   with eda_moved_free. Displacements are 0 for a gate that the chip lacks, for
+   example one that the window cuts. [any] */
 OPC_EXPORT eda_moved *eda_chip_moved(const eda_chip *chip,
                                      const eda_gates *window);
 

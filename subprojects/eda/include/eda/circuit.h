@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Data kind "circuit": a flat transistor netlist whose devices are matched to
-   gates of the layout. Data kinds: opcflow/step.h. */
+   gates (transistors) of the layout. Data kinds: opcflow/step.h. */
 #pragma once
 
 #include <eda/gates.h>
@@ -32,22 +32,22 @@ typedef struct eda_device {
 typedef struct eda_circuit {
   const char *name; /* name of the subcircuit */
   const eda_gates *gates;
-  size_t nets;
+  size_t nets;      /* number of nets */
   const char **net; /* names */
-  size_t ports;
-  uint32_t *port; /* net of each port, in the order of the netlist */
-  uint8_t *role;  /* EDA_PIN_* of each port */
-  size_t count;
+  size_t ports;     /* number of ports */
+  uint32_t *port;   /* net of each port, in the order of the netlist */
+  uint8_t *role;    /* EDA_PIN_* of each port */
+  size_t count;     /* number of devices */
   eda_device *device;
   eda_pool memory; /* owns all arrays and texts, but not `gates` */
 } eda_circuit;
 
 /* Return a circuit with zeroed arrays for `nets`, `ports` and `count` devices.
-   The caller allocates texts and fingers from circuit->memory.
-   eda_circuit_free: free a circuit with all its memory (NULL: do nothing). */
+   The caller allocates texts and fingers from circuit->memory. */
 OPC_EXPORT eda_circuit *eda_circuit_new(const eda_gates *gates,
                                         const char *name, size_t nets,
                                         size_t ports, size_t count);
+/* Free a circuit with all its memory (NULL: do nothing). */
 OPC_EXPORT void eda_circuit_free(void *circuit);
 
 /* Check names, net numbers and sizes, and that no gate belongs to two devices.

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The currents of wide transistors as functions of the channel length. The
+/* Interpolation of device tables (devices.h): currents as functions of the
+   channel length and width. The first paragraph is about wide transistors. The
    logarithm of a current is interpolated by Steffen's monotone cubic (Astron.
    Astrophys. 239, 443, 1990). Beyond the table the logarithm continues as a
    straight line with the slope at the end of the table. The slope is limited to
@@ -22,8 +23,10 @@
 
 OPC_C_BEGIN
 
+/* Currents, as indices of arrays. */
 enum { EDA_ION = 0, EDA_IOFF = 1, EDA_CURRENTS = 2 };
 
+/* A device table with its curves. */
 typedef struct eda_curves {
   eda_devices *devices;
   /* Currents per width, A/nm, of wide transistors at equal steps from the
@@ -53,6 +56,7 @@ typedef struct eda_curves_width {
    *curves is zeroed. [main] */
 OPC_EXPORT int eda_curves_read(eda_curves *curves, const char *path,
                                opc_error *error);
+/* Free a table and clear the struct. */
 OPC_EXPORT void eda_curves_clear(eda_curves *curves);
 
 /* All functions below are [any]. */
@@ -103,9 +107,9 @@ OPC_EXPORT double eda_curves_modelled(const eda_curves *curves, int type);
 /* Return the narrowest width of a table of several widths, nm; otherwise 0. */
 OPC_EXPORT double eda_curves_narrowest(const eda_curves *curves);
 
-/* Compute exp(eda_curves_at) of both currents. Within the table the function is
-   faster and has a relative error of 1e-5; beyond the table, it calls
-   eda_curves_at. */
+/* Compute both currents per width, A/nm: exp(eda_curves_at). Within the table
+   the function is faster and has a relative error of 1e-5; beyond the table, it
+   calls eda_curves_at. */
 static inline void eda_curves_quick(const eda_curves *curves, int type,
                                     double length,
                                     double current[EDA_CURRENTS]) {
@@ -122,8 +126,8 @@ static inline void eda_curves_quick(const eda_curves *curves, int type,
     current[k] = y[k] + part * (y[EDA_CURRENTS + k] - y[k]);
 }
 
-/* Compute exp(eda_curves_narrow_at) of both currents in the same way;
-   width->is_wide must be 0. */
+/* Compute both currents per width, A/nm, exp(eda_curves_narrow_at), in the same
+   way; width->is_wide must be 0. */
 OPC_EXPORT void eda_curves_narrow_quick(const eda_curves *curves, int type,
                                         double length,
                                         const eda_curves_width *width,

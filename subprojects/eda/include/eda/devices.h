@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Device tables: currents and gate capacitances of transistors as functions of
-   channel length and width (thesis 2.2.1, see docs/background/physics.md). */
+/* Device tables: Ion, Ioff (on- and off-currents) and gate capacitances of
+   transistors as functions of channel length and width (thesis 2.2.1, see
+   docs/background/physics.md). */
 #pragma once
 
 #include <opcflow/base.h>
 
 OPC_C_BEGIN
 
+/* Types of transistors. */
 enum { EDA_NMOS = 0, EDA_PMOS = 1 };
 
 /* A device table: Ion and Ioff per width, A/nm, [type][i], at length[i], nm,
@@ -25,8 +27,9 @@ typedef struct eda_devices {
   /* Currents per width, A/nm, of the further widths: [type][k * count + i] for
      width k and length i. */
   double *narrow_ion[2], *narrow_ioff[2];
-  /* Flavour (eda/gates.h) of the transistors of this table, NULL for the first
-     table of a file; next table, NULL for the last. Since 0.6. */
+  /* Flavour of the transistors of this table: a variant of a type, such as
+     "lvt". NULL for the first table of a file, which has transistors without a
+     flavour; next table, NULL for the last. Since 0.6. */
   char *flavour;
   struct eda_devices *next;
   /* Gate capacitance per width, F/nm: `cgate` for `width`, indexed as `ion`;
@@ -41,9 +44,9 @@ typedef struct eda_devices {
 
 /* Read all tables of a file (format: docs/reference/devices.md). Return the
    first table of the list; NULL and *error (file:line:column) on failure.
-   eda_devices_free with the first table frees all tables of the list. [main]:
-   see opcflow/plugin.h. */
+   [main]: see opcflow/plugin.h. */
 OPC_EXPORT eda_devices *eda_devices_read(const char *path, opc_error *error);
+/* Free a table and the following tables of the list (NULL: do nothing). */
 OPC_EXPORT void eda_devices_free(eda_devices *devices);
 
 /* Return the gate capacitance, F, of a rectangular transistor (length, width:

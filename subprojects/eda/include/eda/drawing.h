@@ -12,6 +12,7 @@ OPC_C_BEGIN
 
 /* ---- colours ---------------------------------------------------------- */
 
+/* A colour; components from 0 to 1. */
 typedef struct eda_colour {
   double r, g, b;
 } eda_colour;
@@ -84,6 +85,7 @@ OPC_EXPORT int eda_paper_close(eda_paper *paper, int code, opc_error *error);
 
 /* ---- text and signs --------------------------------------------------- */
 
+/* Alignment of a text. */
 enum { EDA_LEFT, EDA_MIDDLE, EDA_RIGHT };
 
 /* Draw a line of text in the current colour. `place` is EDA_LEFT, EDA_MIDDLE or
@@ -128,9 +130,10 @@ typedef struct eda_sign {
 typedef struct eda_legend {
   const eda_paper *paper;
   double top, height; /* upper end; height of all lines so far */
-  double x;
+  double x;           /* position of the next entry */
 } eda_legend;
 
+/* Start a legend whose upper end is `top`. */
 OPC_EXPORT void eda_legend_init(eda_legend *legend, const eda_paper *paper,
                                 double top);
 /* Draw an entry: a symbol (NULL: none) and a text formatted as by printf. */
@@ -141,8 +144,8 @@ OPC_EXPORT void eda_legend_add(eda_legend *legend, const eda_sign *sign,
 
 /* An axis, or a colour scale. */
 typedef struct eda_axis {
-  double low, high; /* values at both ends */
-  int log;
+  double low, high;         /* values at both ends */
+  int log;                  /* 1: logarithmic */
   const char *unit;         /* unit of the numbers, written with a prefix ("20
                                mA"); NULL: no unit */
   const char *title;        /* may be NULL */
@@ -171,6 +174,7 @@ OPC_EXPORT double eda_axis_place(const eda_axis *axis, double value);
 /* Return the width of the numbers, or texts, and the title of a y axis. */
 OPC_EXPORT double eda_axis_width(const eda_paper *paper, const eda_axis *axis);
 
+/* A chart; the rectangle is that of the frame, without numbers and titles. */
 typedef struct eda_chart {
   const eda_paper *paper;
   double left, top, width, height;
@@ -189,6 +193,7 @@ OPC_EXPORT void eda_chart_axes(const eda_chart *chart);
 OPC_EXPORT void eda_chart_line(const eda_chart *chart, eda_colour colour,
                                double width, double dash, const double *x,
                                const double *y, size_t n);
+/* Draw filled circles at n points, as eda_chart_line. */
 OPC_EXPORT void eda_chart_dots(const eda_chart *chart, eda_colour colour,
                                double radius, const double *x, const double *y,
                                size_t n);

@@ -7,6 +7,8 @@
 
 OPC_C_BEGIN
 
+/* The data object. A method is a change of the flow, such as another
+   synthesizer; a case is an input, such as a layout. */
 typedef struct eda_experiment {
   size_t n_cases, n_methods;
   const char *const *cases, *const *methods; /* names */

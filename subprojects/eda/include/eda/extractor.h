@@ -7,9 +7,10 @@
 
 OPC_C_BEGIN
 
-/* The slices of `count` gates: strips of the channel along L, side by side
-   along W. Slice s of gate i is at [i * slices + s]. Lengths and widths in nm.
-   The slices of a gate that does not print have length 0. */
+/* The slices of `count` gates: strips of the channel along L (the direction of
+   the current), side by side along W. Slice s of gate i is at [i * slices + s].
+   Lengths and widths in nm. The slices of a gate that does not print have
+   length 0. */
 typedef struct eda_slices {
   size_t count, slices;
   const uint8_t *type; /* of each gate: EDA_NMOS, EDA_PMOS */
@@ -43,6 +44,7 @@ struct eda_printed_gate {
   const char *flavour; /* as in eda_slices; NULL: none. Since 0.6. */
 };
 
+/* Functions of an extractor. */
 typedef struct eda_extractor {
   /* Prepare the instance once, for example read the device tables. [main] */
   int (*prepare)(void *self, opc_error *error);

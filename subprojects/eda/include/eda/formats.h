@@ -24,6 +24,7 @@ OPC_EXPORT int eda_layer_number_read(const char *text, uint32_t most,
    other layers, in order. Drawn shapes of a corrected layer have this number +
    EDA_DRAWN_NUMBER. [any] */
 OPC_EXPORT uint32_t eda_gates_number(const eda_gates *gates, size_t layer);
+/* Difference between the layer numbers of drawn and of corrected shapes. */
 enum { EDA_DRAWN_NUMBER = 100 };
 
 /* Callback for polygons without holes. A code other than OPC_OK ends the

@@ -1,7 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Transistors and the mask edges that control them. Data kinds (opcflow/step.h)
-   "gates" (eda_gates) and "mask" (eda_mask). [any], [main]:
-   opcflow/plugin.h. */
+   "gates" (eda_gates) and "mask" (eda_mask). [any], [main]: opcflow/plugin.h.
+
+   Terms. A gate is the area in which poly crosses active, and stands for its
+   transistor. A fragment is a part of a mask edge that moves as a whole.
+   "Drawn" are the shapes of the layout; the corrected mask has displaced edges.
+   Figures of a transistor are Ion, Ioff, equivalent length and width, and area.
+   A simulated contour is kept as a level set: a function of the plane that is
+   positive where the layer prints. The slices of a gate are strips of the
+   channel (extractor.h). Further terms: docs/reference/glossary.md. */
 #pragma once
 
 #include <eda/devices.h>
@@ -225,6 +232,7 @@ typedef struct eda_figures {
   double ion, ioff, leq_ion, leq_ioff, weq, area;
 } eda_figures;
 
+/* Return the figures of transistor i. [any] */
 OPC_UNUSED static inline eda_figures eda_figures_of(const eda_performance *of,
                                                     size_t i) {
   eda_figures f = {of->ion[i],      of->ioff[i], of->leq_ion[i],
@@ -268,7 +276,8 @@ typedef struct eda_moved {
                    simulation); 0 if unknown. Since 0.6. */
 } eda_moved;
 
-/* Return zeroed displacements; free them (NULL: do nothing). [any] */
+/* Return zeroed displacements for numbers of layers and gates.
+   eda_moved_free: free displacements (NULL: do nothing). [any] */
 OPC_EXPORT eda_moved *eda_moved_new(size_t layers, size_t gates);
 OPC_EXPORT void eda_moved_free(eda_moved *moved);
 
@@ -284,8 +293,8 @@ typedef struct eda_violation {
   double value, limit; /* measured value and limit: nm, or a count */
 } eda_violation;
 
-struct eda_chip;
-struct eda_layout;
+struct eda_chip;   /* chip.h */
+struct eda_layout; /* layout.h */
 struct eda_mask;
 struct eda_mask_part;
 
@@ -299,10 +308,10 @@ typedef int eda_mask_visit(void *data, const struct eda_mask_part *part,
 typedef struct eda_mask_access {
   size_t size; /* of this struct */
 
-  /* Make the flat mask of a window around `core` (grid units). The mask owns
-     its gates: the transistors that touch `core`, with the figures of their
-     classes. The shapes include a margin around `core`. The caller frees *out
-     by eda_mask_free. [any] */
+  /* Make the flat mask of a window: the box `core` (grid units) and a margin.
+     The mask owns its gates: the transistors that touch `core`, with the
+     figures of their classes. The shapes are those of core and margin. The
+     caller frees *out by eda_mask_free. [any] */
   int (*window)(const struct eda_mask *mask, eda_box core,
                 struct eda_mask **out, opc_error *error);
 
@@ -330,11 +339,11 @@ typedef struct eda_mask_access {
    to eda_mask_save.
 
    A mask is flat or by classes. A flat mask has all shapes and all transistors.
-   A mask by classes has `chip`. Its gates have one transistor for each class:
-   the lowest, then leftmost of all transistors whose masks are equal within the
-   range of optical interaction. Figures, flags and displacements are of the
-   classes; shapes, edges and contours are empty, and `access` provides them by
-   window. */
+   A mask by classes has `chip`. A class is a set of transistors whose masks are
+   equal within the range of optical interaction. The gates of the mask have one
+   transistor for each class, the lowest, then leftmost one. Figures, flags and
+   displacements are those of the classes. Shapes, edges and contours are empty;
+   `access` provides them by window. */
 typedef struct eda_mask {
   const eda_gates *gates;
   size_t layers; /* equals gates->layers */
@@ -342,9 +351,9 @@ typedef struct eda_mask {
   eda_shapes *shapes;     /* shapes on the grid of the gates, merged */
   eda_field *print;       /* level set of the simulated contour of the corrected
                              mask; empty if it was not simulated (since 0.6) */
-  eda_performance design; /* of the transistors as drawn */
-  eda_performance before; /* printed from the drawn mask */
-  eda_performance after;  /* printed from the corrected mask */
+  eda_performance design; /* figures of the transistors as drawn */
+  eda_performance before; /* figures as printed from the drawn mask */
+  eda_performance after;  /* figures as printed from the corrected mask */
   uint32_t *flags;        /* EDA_PRINT_* of each gate, for the corrected mask */
   uint32_t iterations;
   uint32_t simulations;      /* fast simulations, each of one layer */

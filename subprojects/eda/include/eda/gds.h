@@ -11,6 +11,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
+/* Record types. */
 enum {
   EDA_GDS_HEADER = 0x00,
   EDA_GDS_BGNLIB = 0x01,
@@ -79,10 +80,11 @@ enum {
 /* PROPATTR number of the property that holds the name of an instance. */
 enum { EDA_GDS_INSTANCE_NAME = 61 };
 
+/* Return a number of 2 bytes, without sign; return a number of 4 bytes, with
+   sign. */
 static inline uint32_t eda_gds_u16(const uint8_t *p) {
   return (uint32_t)p[0] << 8 | p[1];
 }
-
 static inline int32_t eda_gds_i32(const uint8_t *p) {
   return (int32_t)((uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 |
                    (uint32_t)p[2] << 8 | p[3]);
@@ -98,11 +100,12 @@ static inline double eda_gds_real(const uint8_t *p) {
   return p[0] & 0x80 ? -value : value;
 }
 
+/* Write a number of 2 bytes, without sign; write a number of 4 bytes, with
+   sign. */
 static inline void eda_gds_put_u16(uint8_t *p, uint32_t v) {
   p[0] = (uint8_t)(v >> 8);
   p[1] = (uint8_t)v;
 }
-
 static inline void eda_gds_put_i32(uint8_t *p, int32_t v) {
   eda_gds_put_u16(p, (uint32_t)v >> 16);
   eda_gds_put_u16(p + 2, (uint32_t)v & 0xffff);

@@ -13,6 +13,7 @@ typedef struct eda_point {
   int32_t x, y;
 } eda_point;
 
+/* A box with sides parallel to the axes. */
 typedef struct eda_box {
   int32_t x0, y0, x1, y1; /* x0 <= x1, y0 <= y1; empty if x0 > x1 */
 } eda_box;
@@ -29,6 +30,7 @@ typedef struct eda_box_list {
   size_t count, capacity;
 } eda_box_list;
 
+/* Append a box to a list. [any] */
 OPC_EXPORT void eda_box_list_add(eda_box_list *list, eda_box box);
 
 /* Initialiser of an empty box, for extension by eda_box_join. */
@@ -92,15 +94,17 @@ OPC_EXPORT int eda_is_box(const eda_point *points, size_t n);
 /* Return the bounding box of polygon i. [any] */
 OPC_EXPORT eda_box eda_shape_box(const eda_shapes *shapes, size_t i);
 
-/* Return `n` polygons of four corners, all zero. eda_shapes_set_box sets
-   polygon i to the corners of a box, counter-clockwise from the lower left
-   corner. Set the polygons in ascending order. */
+/* eda_shapes_of_boxes: return `n` polygons of four corners, all zero; the
+   caller frees them by eda_shapes_clear. eda_shapes_set_box: set polygon i to
+   the corners of a box, counter-clockwise from the lower left corner. Set the
+   polygons in ascending order of i. */
 OPC_EXPORT eda_shapes eda_shapes_of_boxes(size_t n);
 OPC_EXPORT void eda_shapes_set_box(eda_shapes *shapes, size_t i, eda_box box);
 
+/* Operations of eda_boolean. */
 enum { EDA_OR = 0, EDA_AND = 1, EDA_NOT = 2, EDA_XOR = 3 };
 
-/* All functions are [any].
+/* The functions below are [any] and have these rules.
 
    Input shapes may overlap, have any orientation and repeated or collinear
    points; the inside of a polygon is where its winding number is not zero. If

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Fields, mask spectra, and the transforms between them. [any]:
-   opcflow/plugin.h.
+/* Images of masks: fields (real functions of the plane, such as intensities),
+   spectra of masks, and the transforms between them. [any]: opcflow/plugin.h.
 
    Everything is periodic with the period of a frame. The clear field has
    intensity 1; masks are dark inside drawn shapes (chrome lines, positive
@@ -56,14 +56,15 @@ typedef struct eda_mirrored {
   int32_t conjugate, odd;
 } eda_mirrored;
 
+/* Largest number of residual terms (eda_kernels.residual). */
 enum { EDA_RESIDUALS = 2 };
 
 /* A sum of coherent kernels (SOCS): intensity = sum over s of weight[s]
    |E_s|^2, where E_s is the mask filtered by the transfer function of kernel
    s. */
 typedef struct eda_kernels {
-  size_t count;
-  const double *weight;
+  size_t count;          /* number of kernels */
+  const double *weight;  /* [count] */
   double band;           /* cut-off of the transfer functions, 1/nm */
   double intensity_band; /* cut-off of the intensity, 1/nm: 2 NA / wavelength */
   /* Fill out[2 * i], out[2 * i + 1] with the real and imaginary part of the
@@ -71,15 +72,15 @@ typedef struct eda_kernels {
      [any] */
   void (*transfer)(const void *self, size_t s, const double *fx, double fy,
                    size_t n, float *out);
-  const void *self;
+  const void *self; /* first argument of the functions */
   /* The transmission of the mask is offset + scale * t(x, y), t being the
      function that the spectrum describes. Both numbers are complex (real,
      imaginary part). Scale 0 counts as 1. */
   double offset[2], scale[2];
-  /* Number of residual terms of the truncated kernels (at most EDA_RESIDUALS).
-     Term k is the intensity of kernel count + k, filtered: the spectrum of
-     |E|^2 at (fx[i], fy), (-fx[i], fy), (fx[i], -fy) is multiplied by out[i].
-     [any] */
+  /* Number of residual terms (at most EDA_RESIDUALS), which approximate the sum
+     of the kernels beyond `count`. Term k is the intensity of kernel count + k,
+     filtered: the spectrum of |E|^2 at (fx[i], fy), (-fx[i], fy), (fx[i], -fy)
+     is multiplied by out[i]. [any] */
   size_t residuals;
   void (*residual)(const void *self, size_t k, const double *fx, double fy,
                    size_t n, float *out);
@@ -131,6 +132,7 @@ OPC_EXPORT int eda_coherent_gradient(const opc_context *context,
 typedef struct eda_image_size {
   double columns, rows, bytes, field;
 } eda_image_size;
+/* Return the estimated size of an image of a frame. */
 OPC_EXPORT eda_image_size eda_image_forecast(eda_frame frame, double band);
 
 /* Return the width of the clear field around a layout, nm: sqrt(0.05 / error) /
@@ -161,7 +163,7 @@ OPC_EXPORT int eda_contours(const opc_context *context, const eda_field *field,
 OPC_EXPORT void eda_spectrum_clear(eda_spectrum *spectrum);
 OPC_EXPORT void eda_field_clear(eda_field *field);
 
-/* Return a new field: the field times a factor. */
+/* Return the product of a field and a factor, a new field. */
 OPC_EXPORT eda_field eda_field_scaled(const eda_field *field, double factor);
 
 /* Displace a field by (x, y), nm, for example by an overlay error. [any] */

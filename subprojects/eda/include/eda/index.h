@@ -18,6 +18,7 @@
 
 OPC_C_BEGIN
 
+/* An index. */
 typedef struct eda_index eda_index;
 
 /* Return an index of n < 2^32 boxes, which are copied. `cell` is the side of a

@@ -7,6 +7,7 @@
 
 OPC_C_BEGIN
 
+/* A layout. */
 typedef struct eda_layout eda_layout;
 
 /* Placement of a cell: the cell is mirrored about the x axis if `mirror`,
@@ -22,9 +23,10 @@ typedef struct eda_placement {
                                       from a row to the next */
 } eda_placement;
 
-/* Flat shapes. Each occurrence of a cell in the hierarchy is a placement and
-   has a number; 0 is the top cell. Shape i is from placement number
-   placement[i]; eda_layout_path returns the path of a placement. */
+/* Flat shapes of a layer: shapes of a cell and of all cells below, in
+   coordinates of the cell. Each occurrence of a cell in the hierarchy is a
+   placement and has a number; 0 is the top cell. Shape i is from placement
+   number placement[i]; eda_layout_path returns the path of a placement. */
 typedef struct eda_flat {
   eda_shapes shapes; /* unmerged, in units of the requested grid */
   uint32_t *placement;
@@ -52,6 +54,7 @@ typedef struct eda_flat_texts {
 /* Return an empty layout with `unit` > 0 nm per database unit; NULL and *error
    on failure. Readers scale a layout by `unit`, without rounding. */
 OPC_EXPORT eda_layout *eda_layout_new(double unit, opc_error *error);
+/* Free a layout (NULL: do nothing). */
 OPC_EXPORT void eda_layout_free(void *layout);
 
 /* Return the number of the cell or layer with this name, created if missing. */
@@ -60,8 +63,9 @@ OPC_EXPORT int32_t eda_layout_cell(eda_layout *layout, const char *name,
 OPC_EXPORT int32_t eda_layout_layer(eda_layout *layout, const char *name,
                                     opc_error *error);
 
-/* Add a polygon of n >= 3 points, which are copied; a rectangle is stored as a
-   box. Add a box, which may have no area (x0 <= x1, y0 <= y1). */
+/* eda_layout_add_polygon: add a polygon of n >= 3 points, which are copied; a
+   rectangle is stored as a box. eda_layout_add_box: add a box, which may have
+   no area (x0 <= x1, y0 <= y1). Return OPC_OK or an error code. */
 OPC_EXPORT int eda_layout_add_polygon(eda_layout *layout, int32_t cell,
                                       int32_t layer, const eda_point *points,
                                       size_t n, opc_error *error);
@@ -95,8 +99,9 @@ OPC_EXPORT int eda_layout_add_instance(eda_layout *layout, int32_t cell,
 OPC_EXPORT int32_t eda_layout_import(eda_layout *to, const eda_layout *from,
                                      int32_t cell, opc_error *error);
 
-/* Return the length of a database unit, nm; the number of cells; the number of
-   layers; the name of a cell; the name of a layer. */
+/* Return a property of a layout. eda_layout_unit: length of a database unit,
+   nm. eda_layout_cells, eda_layout_layers: number of cells or layers.
+   eda_layout_cell_name, eda_layout_layer_name: name of a cell or layer. */
 OPC_EXPORT double eda_layout_unit(const eda_layout *layout);
 OPC_EXPORT size_t eda_layout_cells(const eda_layout *layout);
 OPC_EXPORT size_t eda_layout_layers(const eda_layout *layout);
@@ -147,9 +152,10 @@ OPC_EXPORT int32_t eda_layout_select(const eda_layout *layout, const char *text,
                                      opc_error *error);
 /* Return whether a layer is an expression. [any] */
 OPC_EXPORT int eda_layout_is_derived(const eda_layout *layout, int32_t layer);
-/* Return whether a text has the form of an expression, with operators, brackets
-   or blanks. Check the text of an expression: return OPC_INVALID and the
-   position of the fault. [any] */
+/* eda_layer_is_expression: return whether a text has the form of an expression,
+   with operators, brackets or blanks. eda_layer_check: check the text of an
+   expression; return OPC_OK, or OPC_INVALID and *error with the position of the
+   fault. [any] */
 OPC_EXPORT int eda_layer_is_expression(const char *text);
 OPC_EXPORT int eda_layer_check(const char *text, opc_error *error);
 /* Call `take` with the name of each layer in an expression, from left to right.
@@ -162,19 +168,22 @@ OPC_EXPORT int eda_layer_names(const char *text,
  *error if there are several or none, or if placements form a cycle. */
 OPC_EXPORT int32_t eda_layout_top(const eda_layout *layout, opc_error *error);
 
-/* Return the number of polygons of a cell, without those of its instances;
-   return polygon i with *n points and its layer. Polygons are ordered by layer.
-   The points are valid until the thread calls eda_layout_polygon again. */
+/* eda_layout_polygons: return the number of polygons of a cell, without those
+   of placed cells. eda_layout_polygon: return polygon i with *n points and its
+   layer. Polygons are ordered by layer. The points are valid until the thread
+   calls eda_layout_polygon again. */
 OPC_EXPORT size_t eda_layout_polygons(const eda_layout *layout, int32_t cell);
 OPC_EXPORT const eda_point *eda_layout_polygon(const eda_layout *layout,
                                                int32_t cell, size_t i,
                                                size_t *n, int32_t *layer);
-/* Return the number of texts of a cell; return text i, position and layer. */
+/* eda_layout_texts: return the number of texts of a cell. eda_layout_text:
+   return text i with its position and layer. */
 OPC_EXPORT size_t eda_layout_texts(const eda_layout *layout, int32_t cell);
 OPC_EXPORT const char *eda_layout_text(const eda_layout *layout, int32_t cell,
                                        size_t i, eda_point *at, int32_t *layer);
-/* Return the number of instances in a cell; return the name of instance i
-   (NULL: none), the placed cell and the placement. */
+/* eda_layout_instances: return the number of cells that a cell places.
+   eda_layout_instance: return the name of instance i (NULL: none), and set the
+   placed cell and the placement. */
 OPC_EXPORT size_t eda_layout_instances(const eda_layout *layout, int32_t cell);
 OPC_EXPORT const char *eda_layout_instance(const eda_layout *layout,
                                            int32_t cell, size_t i,
@@ -210,6 +219,7 @@ OPC_EXPORT int eda_layout_bounds(const eda_layout *layout, int32_t cell,
    cycles of cells. */
 OPC_EXPORT double eda_layout_flat_bytes(const eda_layout *layout, int32_t cell,
                                         int32_t layer);
+/* Free the arrays and clear the struct. */
 OPC_EXPORT void eda_flat_clear(eda_flat *flat);
 
 /* Write the path of placement p (eda_flat.placement) below `cell`, such as
@@ -234,6 +244,7 @@ OPC_EXPORT int eda_layout_flatten_texts(const eda_layout *layout, int32_t cell,
 OPC_EXPORT int eda_layout_flatten_texts_window(
     const eda_layout *layout, int32_t cell, int32_t layer, double grid,
     const eda_box *window, eda_flat_texts *out, opc_error *error);
+/* Free the arrays and clear the struct. */
 OPC_EXPORT void eda_flat_texts_clear(eda_flat_texts *texts);
 
 /* Check function of an output; its release function is eda_layout_free. */

@@ -8,6 +8,8 @@
 
 OPC_C_BEGIN
 
+/* Functions of a litho model. `image` is the fast model; `image_fine` is the
+   accurate model, with a stated error. */
 typedef struct eda_litho {
   /* Prepare the instance before any image, for example compute kernels.
      [main] */

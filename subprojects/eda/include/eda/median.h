@@ -11,6 +11,7 @@ OPC_C_BEGIN
    - 2 / 2^5 = 93.75 %, the range of four with 87.5 %. */
 enum { EDA_MEDIAN_FEWEST = 5 };
 
+/* A median and its confidence interval. */
 typedef struct eda_median {
   double value;     /* median; NAN if n = 0 */
   double low, high; /* ends of the interval; NAN if n < EDA_MEDIAN_FEWEST */

@@ -10,11 +10,11 @@ OPC_C_BEGIN
    free with free(). If memory is exhausted, the program aborts. [any] */
 OPC_EXPORT void *eda_alloc(size_t count, size_t size);
 
-/* Return zeroed memory as eda_alloc does; the caller frees it with eda_free. A
-   block of at least EDA_SHARED bytes is a file in memory (memfd), which other
-   processes can map instead of receiving copies. Smaller blocks, further blocks
-   beside 128 such files, and blocks without a free descriptor are memory of
-   eda_alloc. [any] */
+/* Return zeroed memory of count * size bytes, as eda_alloc does; the caller
+   frees the memory with eda_free. A block of at least EDA_SHARED bytes is a
+   file in memory (memfd), which other processes can map instead of receiving
+   copies. Smaller blocks, further blocks beside 128 such files, and blocks
+   without a free descriptor are memory of eda_alloc. [any] */
 enum { EDA_SHARED = 1 << 18 };
 OPC_EXPORT void *eda_alloc_shared(size_t count, size_t size);
 /* Free a block of eda_alloc_shared; `memory` may be NULL. [any] */
@@ -62,7 +62,8 @@ OPC_UNUSED static inline void eda_grow(void *array, size_t *capacity,
   (eda_grow(&(array), &(capacity), (count) + 1, sizeof *(array)), \
    (void)((array)[(count)++] = __VA_ARGS__))
 
-/* Compare two numbers for qsort, the smaller one first. [any] */
+/* Compare two numbers for qsort, the smaller one first: double, int32_t,
+   int64_t and uint32_t. [any] */
 OPC_EXPORT int eda_doubles_rise(const void *a, const void *b);
 OPC_EXPORT int eda_int32s_rise(const void *a, const void *b);
 OPC_EXPORT int eda_int64s_rise(const void *a, const void *b);

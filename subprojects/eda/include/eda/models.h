@@ -9,6 +9,7 @@
 
 OPC_C_BEGIN
 
+/* A library in memory. */
 typedef struct eda_models eda_models;
 
 /* Ranges of sizes, nm. */
@@ -16,6 +17,7 @@ typedef struct eda_sizes {
   double length[2], width[2]; /* from, to */
 } eda_sizes;
 
+/* Forms of a device model in a library. */
 enum { EDA_MODEL_CARD = 1, EDA_MODEL_SUBCIRCUIT = 2 };
 
 /* Read a file and its includes, which must be in the file's folder or below.
@@ -27,6 +29,7 @@ enum { EDA_MODEL_CARD = 1, EDA_MODEL_SUBCIRCUIT = 2 };
    failure. [any] */
 OPC_EXPORT eda_models *eda_models_read(const char *path, const char *section,
                                        const char *osdi, opc_error *error);
+/* Free a library (NULL: do nothing). */
 OPC_EXPORT void eda_models_free(eda_models *models);
 
 /* Return EDA_MODEL_CARD, EDA_MODEL_SUBCIRCUIT, or 0 for unknown names. [any] */

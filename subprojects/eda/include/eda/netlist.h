@@ -25,6 +25,8 @@ typedef struct eda_assignment {
   eda_place at;
 } eda_assignment;
 
+/* An element of a subcircuit: a transistor, or an instance of another
+   subcircuit. */
 typedef struct eda_element {
   int is_transistor; /* 0: instance of a subcircuit; 1: MOS transistor.
                         eda_netlist_prepare changes 0 to 1 for an X element that
@@ -44,6 +46,7 @@ typedef struct eda_element {
   double x, y; /* centre of the gate, nm, from a comment; NAN: unknown */
 } eda_element;
 
+/* A subcircuit. */
 typedef struct eda_subcircuit {
   const char *name;
   eda_place at;
@@ -62,6 +65,7 @@ typedef struct eda_subcircuit {
                        below */
 } eda_subcircuit;
 
+/* A netlist, and the state of its reader. */
 typedef struct eda_netlist {
   /* Set by the caller, who sets all other fields to zero. *error receives the
      errors of all functions. */
@@ -101,6 +105,7 @@ typedef struct eda_scope {
    Elements outside of subcircuits are ignored. The netlist must not move in
    memory. The caller clears the netlist, also after a failure. [main] */
 OPC_EXPORT int eda_netlist_read(eda_netlist *n, const char *path);
+/* Free the memory of a netlist. */
 OPC_EXPORT void eda_netlist_clear(eda_netlist *n);
 
 /* Return the number of a subcircuit; -1 and an error of the parameter "top"
@@ -120,6 +125,8 @@ OPC_EXPORT const char *eda_netlist_where(const eda_netlist *n,
 
 /* ---- flat netlist ------------------------------------------------------ */
 
+/* A transistor of a flat netlist; its nets are indices in eda_flat_netlist.net.
+ */
 typedef struct eda_transistor {
   const char *name; /* full path */
   const eda_element *from;
@@ -129,6 +136,7 @@ typedef struct eda_transistor {
                        the netlist */
 } eda_transistor;
 
+/* All transistors of a subcircuit and of the subcircuits below. */
 typedef struct eda_flat_netlist {
   eda_pool *pool; /* from the caller; owns all arrays */
   size_t devices, capacity_devices;
@@ -136,7 +144,7 @@ typedef struct eda_flat_netlist {
   size_t nets, capacity_nets;
   const char **net;
   size_t ports;
-  uint32_t *port;
+  uint32_t *port; /* net of each port */
 } eda_flat_netlist;
 
 /* Flatten a prepared subcircuit. Names are paths below the subcircuit. Global
@@ -182,10 +190,11 @@ OPC_EXPORT void eda_card_write(FILE *out, const eda_card *card,
 /* Sizes of transistors: drawn, printed before, printed after correction. */
 enum { EDA_DRAWN = 0, EDA_BEFORE = 1, EDA_AFTER = 2, EDA_STATES = 3 };
 
+/* Input of eda_annotate. */
 typedef struct eda_annotation {
   const eda_circuit *circuit;
   const eda_mask *mask; /* may be NULL for EDA_DRAWN */
-  int state;
+  int state;            /* EDA_DRAWN ...: sizes that are written */
   /* Names of the models, [EDA_NMOS] and [EDA_PMOS]. NULL, allowed only if
      card[] of the type is NULL: each device has its own model
      (eda_device.model). */
@@ -205,11 +214,11 @@ typedef struct eda_annotated {
   size_t models;      /* number of model cards with changed DLC */
 } eda_annotated;
 
-/* Return the text of a .model card for each changed DLC and of one .subckt with
-   the circuit's name and ports. In names, '.' replaces '/'; names of fingers
-   after the first end in _f2, _f3 ... Free the text with free(). Return NULL
-   and *error (OPC_FAILED) if a gate does not print or has no valid size.
-   `counts` may be NULL. [any] */
+/* Return a netlist with printed sizes: a .model card for each changed DLC, and
+   a .subckt with the circuit's name, ports and transistors. In names, '.'
+   replaces '/'; names of fingers after the first end in _f2, _f3 ... Free the
+   text with free(). Return NULL and *error (OPC_FAILED) if a gate does not
+   print or has no valid size. `counts` may be NULL. [any] */
 OPC_EXPORT char *eda_annotate(const eda_annotation *a, eda_annotated *counts,
                               opc_error *error);
 

@@ -6,8 +6,10 @@
 
 OPC_C_BEGIN
 
+/* First bytes of a file. */
 #define EDA_OASIS_MAGIC "%SEMI-OASIS\r\n"
 
+/* Record numbers. */
 enum {
   EDA_OASIS_PAD = 0,
   EDA_OASIS_START = 1,
@@ -87,6 +89,7 @@ OPC_EXPORT uint64_t eda_oasis_place(const eda_oasis *out);
 OPC_EXPORT uint32_t eda_oasis_crc(const eda_oasis *out);
 OPC_EXPORT size_t eda_oasis_collected(const eda_oasis *out);
 
+/* Write a byte, an unsigned integer, a signed integer, a real number. */
 OPC_EXPORT void eda_oasis_byte(eda_oasis *out, uint32_t b);
 OPC_EXPORT void eda_oasis_uint(eda_oasis *out, uint64_t v);
 OPC_EXPORT void eda_oasis_sint(eda_oasis *out, int64_t v);

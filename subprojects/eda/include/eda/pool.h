@@ -25,10 +25,11 @@ OPC_EXPORT char *eda_pool_path(eda_pool *pool, const char *a, const char *b);
    `size` bytes and set *capacity. New elements are zeroed. */
 OPC_EXPORT void eda_pool_grow(eda_pool *pool, void *array, size_t *capacity,
                               size_t need, size_t size);
+/* Free all memory of a pool, and the tables of its maps. */
 OPC_EXPORT void eda_pool_clear(eda_pool *pool);
 
-/* A map from names to numbers. Set `table` to NULL first. Keys are not
-   copied. */
+/* A map from names to numbers. Before use, set `pool`, and set `table` to NULL.
+   Keys are not copied and must outlive the map. */
 typedef struct eda_names {
   eda_pool *pool;
   struct _GHashTable *table;

@@ -30,15 +30,16 @@ typedef struct eda_model {
 OPC_EXPORT void eda_model_init(eda_model *model, const opc_context *context,
                                const opc_module *litho);
 
+/* The state of simulations of the masks of one layout. */
 typedef struct eda_printer {
   const opc_context *context;
   eda_model litho;
   const opc_module *resist;
   eda_frame frame;
-  double grid;
+  double grid; /* mask grid, nm */
   size_t layers;
   eda_field *print; /* [layers]: level sets, positive where the resist prints */
-  uint32_t simulations;
+  uint32_t simulations; /* number of fast simulations, each of one layer */
 
   /* Largest intensity error of accurate simulations (clear field: 1); 0: no
      accurate simulations. The caller sets `fine` between eda_printer_init and
@@ -50,7 +51,8 @@ typedef struct eda_printer {
   eda_field *difference; /* [layers]: accurate minus fast intensity of the same
                             mask; used if `fine` > 0 */
   uint8_t *is_fine; /* [layers]: 1 if print[] is from an accurate simulation */
-  uint32_t fine_simulations;
+  uint32_t
+      fine_simulations; /* number of accurate simulations, each of one layer */
 
   /* The caller may set these at the same time as `fine`. `defocus`, nm: defocus
      of all images, for a model with image_at. `keeps` = 1: keep `image` even if
@@ -75,6 +77,7 @@ OPC_EXPORT void eda_printer_init(eda_printer *printer,
                                  const eda_gates *gates,
                                  const opc_module *litho,
                                  const opc_module *resist, double margin);
+/* Free all fields of a printer. */
 OPC_EXPORT void eda_printer_clear(eda_printer *printer);
 
 /* Prepare both models. Errors name the parameter "litho" or "resist". [main] */
@@ -130,6 +133,7 @@ typedef struct eda_measurement {
   eda_performance performance;
 } eda_measurement;
 
+/* Allocate zeroed arrays for n gates; free the arrays. [any] */
 OPC_EXPORT void eda_measurement_init(eda_measurement *measurement, size_t n);
 OPC_EXPORT void eda_measurement_clear(eda_measurement *measurement);
 
@@ -172,7 +176,8 @@ typedef struct eda_spread {
   double ion_worst;              /* Ion deviation with the largest absolute
                                     value, % */
   double leakage[3]; /* total Ioff, relative to the same transistors as drawn */
-  size_t failed, outside;
+  size_t failed, outside; /* numbers of transistors that do not print, and with
+                             figures beyond the device table */
 } eda_spread;
 
 /* Sums from which deviations are computed; zero the struct before the first
@@ -194,6 +199,7 @@ OPC_EXPORT void eda_spread_add(eda_spread_sums *sums, const eda_gates *gates,
                                const eda_performance *design,
                                const eda_performance *printed,
                                const uint32_t *flags);
+/* Compute the deviations from the sums. [any] */
 OPC_EXPORT eda_spread eda_spread_end(const eda_spread_sums *sums);
 
 /* Compute the deviations of one list of gates. [any] */

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kind "regulator": enforces design rules in the correction loop. Kind, [main]:
-   see opcflow/plugin.h. */
+/* Kind "regulator": enforces design rules on the printed contours in the
+   correction loop. A veto forbids the synthesizer a direction of a gate's
+   biases. Kind, [main]: see opcflow/plugin.h. */
 #pragma once
 
 #include <eda/synthesizer.h>
 
 OPC_C_BEGIN
 
-/* Input of a regulator: the simulation of one iteration. Arrays of gates. */
+/* Input of a regulator: the simulation of one iteration of the loop. Arrays
+   without a stated length have one element for each gate. */
 typedef struct eda_printed {
   uint32_t iteration;
   const eda_gates *gates;
@@ -47,6 +49,7 @@ typedef struct eda_ruling {
   eda_boxes *added, *cutouts;
 } eda_ruling;
 
+/* Functions of a regulator. */
 typedef struct eda_regulator {
   /* Check a simulation against the rules; write vetoes and repairs. [main] */
   int (*rule)(void *self, const eda_printed *printed, eda_ruling *ruling,

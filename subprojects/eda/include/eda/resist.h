@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kind "resist": converts an intensity to printed shapes. Kind, instance,
-   [any], [main]: see opcflow/plugin.h. */
+/* Kind "resist": converts an intensity to printed shapes, in the form of a
+   level set. Kind, instance, [any], [main]: see opcflow/plugin.h. */
 #pragma once
 
 #include <eda/gates.h>
@@ -8,6 +8,7 @@
 
 OPC_C_BEGIN
 
+/* Functions of a resist model. */
 typedef struct eda_resist {
   /* Prepare the instance once, before `print`: calibrate each layer for the
      litho model in use (functions: eda_litho). [main] */

@@ -6,6 +6,7 @@
 
 OPC_C_BEGIN
 
+/* The rules. */
 enum {
   /* Space between facing edges, also of one polygon (notches), and diagonal
      space between convex corners. */
@@ -21,7 +22,7 @@ enum {
   /* Height of a jog: of an edge between a convex and a concave corner that is
      shorter than both neighbours. */
   EDA_RULE_JOG,
-  EDA_RULES
+  EDA_RULES /* number of rules */
 };
 
 /* Violation of a rule (EDA_RULE_*): position and measured value, nm. */

@@ -20,12 +20,15 @@ typedef struct eda_table eda_table;
    be read; OPC_INVALID if the file is larger than 1 GB or not UTF-8;
    OPC_INVALID with file:line:column if a line is malformed. */
 OPC_EXPORT eda_table *eda_table_read(const char *path, opc_error *error);
+/* Free a table (NULL: do nothing). */
 OPC_EXPORT void eda_table_free(eda_table *table);
 
+/* Return the number of rows, without the first line; return the number of
+   columns. */
 OPC_EXPORT size_t eda_table_rows(const eda_table *table);
 OPC_EXPORT size_t eda_table_columns(const eda_table *table);
 
-/* Return the name of a column; return its unit ("": no unit). */
+/* Return the name, or the unit ("": no unit), of a column. */
 OPC_EXPORT const char *eda_table_name(const eda_table *table, size_t column);
 OPC_EXPORT const char *eda_table_unit(const eda_table *table, size_t column);
 
@@ -48,8 +51,10 @@ OPC_EXPORT int eda_table_fail(const eda_table *table, size_t row, size_t column,
 
 /* ---- runs ------------------------------------------------------------- */
 
+/* Directions in which a metric improves. */
 enum { EDA_RUN_NEUTRAL = 0, EDA_RUN_LOWER = 1, EDA_RUN_HIGHER = 2 };
 
+/* A metric with its value. */
 typedef struct eda_run_metric {
   const char *name; /* "mask.ion_max" */
   const char *unit; /* NULL: dimensionless */
@@ -66,6 +71,7 @@ typedef struct eda_run_parameter {
   int given;         /* 0: the default value */
 } eda_run_parameter;
 
+/* A file that a run read (input) or wrote (output). */
 typedef struct eda_run_file {
   const char *path; /* input: path as recorded by the run; output: path inside
                        the run folder */
@@ -73,11 +79,13 @@ typedef struct eda_run_file {
   int64_t bytes; /* size in bytes; -1: not recorded (inputs) */
 } eda_run_file;
 
+/* A plugin that a run used. */
 typedef struct eda_run_plugin {
   const char *id, *version, *sha256; /* plugin, its version, checksum of the
                                         shared object */
 } eda_run_plugin;
 
+/* A step with its run time. */
 typedef struct eda_run_step {
   const char *name;
   double seconds;
@@ -124,6 +132,7 @@ typedef struct eda_run_facts {
   const eda_run_requirement *requirements;
 } eda_run_facts;
 
+/* A run folder in memory. */
 typedef struct eda_run eda_run;
 
 /* Read manifest.json, metrics.json and flow.yaml (up to 16 MB each) of a run
@@ -131,6 +140,7 @@ typedef struct eda_run eda_run;
    the folder is not a run folder or a file cannot be read; OPC_INVALID with
    file:line:column if a file is damaged or of an unknown format. [any] */
 OPC_EXPORT eda_run *eda_run_open(const char *folder, opc_error *error);
+/* Free a run with its tables (NULL: do nothing). */
 OPC_EXPORT void eda_run_free(eda_run *run);
 
 /* Return the contents of a run, owned by the run. [any] */
@@ -142,9 +152,9 @@ OPC_EXPORT const eda_run_metric *eda_run_metric_of(const eda_run *run,
 OPC_EXPORT const eda_run_parameter *eda_run_parameter_of(const eda_run *run,
                                                          const char *name);
 
-/* Return 1 if the folder has the table `name` ("gates"), otherwise 0. Return
-   the table, which the run owns and reads on first request; NULL and *error as
-   in eda_table_read. [main] */
+/* eda_run_has_table: return 1 if the folder has the table `name` ("gates"),
+   otherwise 0. eda_run_table: return the table, which the run owns and reads on
+   first request; NULL and *error as in eda_table_read. [main] */
 OPC_EXPORT int eda_run_has_table(const eda_run *run, const char *name);
 OPC_EXPORT eda_table *eda_run_table(eda_run *run, const char *name,
                                     opc_error *error);
@@ -172,6 +182,7 @@ OPC_EXPORT int eda_run_is_experiment(const char *folder);
    is outside the experiment, or a case has a method twice. [any] */
 OPC_EXPORT eda_run_cases *eda_run_cases_open(const char *folder,
                                              opc_error *error);
+/* Free an experiment (NULL: do nothing). */
 OPC_EXPORT void eda_run_cases_free(eda_run_cases *cases);
 
 /* Return all *n results in the order of the table. [any] */

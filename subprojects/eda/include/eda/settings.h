@@ -9,14 +9,15 @@ OPC_C_BEGIN
 
 /* A varied parameter. */
 typedef struct eda_setting {
-  const char *name; /* "mask.synthesizer.fragment" */
-  const char *unit; /* NULL: no unit */
-  size_t count;
+  const char *name;         /* "mask.synthesizer.fragment" */
+  const char *unit;         /* NULL: no unit */
+  size_t count;             /* number of values */
   const double *values;     /* values in this unit; NULL: the values are not
                                numbers */
   const char *const *texts; /* values as in the flow */
 } eda_setting;
 
+/* The data object: all combinations with their figures. */
 typedef struct eda_settings {
   size_t n_parameters;
   const eda_setting *parameters;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The circuit simulator ngspice, in a separate process for each deck. */
+/* The circuit simulator ngspice, in a separate process for each deck (netlist).
+ */
 #pragma once
 
 #include <opcflow/base.h>
@@ -20,6 +21,7 @@ typedef struct eda_spice_plot {
   eda_spice_vector *vector;
 } eda_spice_plot;
 
+/* Results of all analyses of a run. */
 typedef struct eda_spice_result {
   size_t count, capacity;
   eda_spice_plot *plot; /* in order of creation; without the plot "const" */
@@ -52,6 +54,7 @@ typedef struct eda_spice_result {
 OPC_EXPORT int eda_spice_run(const opc_context *context, const char *deck,
                              const char *commands, double limit,
                              eda_spice_result *out, opc_error *error);
+/* Free a result and clear the struct. */
 OPC_EXPORT void eda_spice_clear(eda_spice_result *result);
 
 /* Return the vector with this name, NULL if there is none. */

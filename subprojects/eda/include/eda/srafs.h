@@ -16,8 +16,8 @@ typedef struct eda_sraf_rule {
   int32_t width, distance; /* width of a scatter bar; distance from drawn
                               shapes */
   int32_t space;           /* spacing between scatter bars */
-  int32_t min_length;
-  int32_t overhang; /* extension beyond the ends of the edge */
+  int32_t min_length;      /* smallest length */
+  int32_t overhang;        /* extension beyond the ends of the edge */
 } eda_sraf_rule;
 
 /* An edge that needs scatter bars, from `low` to `high` along the edge; `at` is

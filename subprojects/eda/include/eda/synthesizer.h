@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "synthesizer": drives the correction loop. A synthesizer computes the
-   next edge displacements from the simulation of the last mask. Kind, [main]:
-   see opcflow/plugin.h. */
+   next edge displacements from the simulation of the last mask. The synthesizer
+   either moves the sides of whole gates by biases of L and W, or defines
+   fragments of edges (`cut`) and moves each by a displacement. Kind, [main]:
+   see opcflow/plugin.h; gate, fragment, figures: gates.h. */
 #pragma once
 
 #include <eda/gates.h>
@@ -9,8 +11,8 @@
 
 OPC_C_BEGIN
 
-/* Moves of a gate that the regulator forbids, as flags. After a veto of L, a
-   synthesizer reverts L and corrects with W. */
+/* Moves of a gate that the regulator forbids, as flags (vetoes). A synthesizer
+   should obey: after a veto of L, revert L and correct with W. */
 enum {
   EDA_VETO_LONGER = 1 << 0,  /* larger L */
   EDA_VETO_SHORTER = 1 << 1, /* smaller L */
@@ -23,7 +25,8 @@ enum {
 typedef struct eda_feedback {
   uint32_t iteration; /* 0: the drawn mask */
   const eda_gates *gates;
-  const eda_performance *design, *printed;
+  const eda_performance *design,
+      *printed;           /* figures as drawn, and as printed */
   const uint32_t *flags;  /* EDA_PRINT_* */
   const uint32_t *vetoes; /* EDA_VETO_* */
 
@@ -86,16 +89,17 @@ typedef struct eda_moves {
      next call of `update`. */
   eda_boxes *assists;
 
-  /* Parts of gate i at [EDA_PARTS * i + k], ordered, without overlap, ended by
-     an empty part (from >= to). Parts are clipped where the fragments of the
-     gate end. The sum l + by is divided between both sides in the same way as
-     `l`; `jog` is added, on the side that `l` determines. Since 0.2; NULL in a
-     loop without parts. */
+  /* Parts of the width with their own biases of L (eda_part, gates.h): those of
+     gate i at [EDA_PARTS * i + k], ordered, without overlap, ended by an empty
+     part (from >= to). Parts are clipped where the fragments of the gate end.
+     The sum l + by is divided between both sides in the same way as `l`; `jog`
+     is added, on the side that `l` determines. Since 0.2; NULL in a loop
+     without parts. */
   eda_part *part;
 
-  /* Displacement of both active edges of each gate towards HIGH, grid steps, to
-     widen a gate on one side only if the line end at the other side is short.
-     Since 0.5; NULL in a loop without these displacements. */
+  /* Displacement of both active edges of each gate towards HIGH, grid steps.
+     Use: widen a gate only on one side, because the line end at the other side
+     is short. Since 0.5; NULL in a loop without these displacements. */
   int32_t *aside;
 } eda_moves;
 
@@ -123,12 +127,14 @@ enum {
      synthesizer would attribute the effect of the regulator to the moves. */
   EDA_SYNTHESIZER_ENDS_ANYTIME = 1 << 0,
 
-  /* The simulated mask of iteration 0 may contain displacements of gates:
-     `update` changes the values in `moves`. Otherwise the first simulated mask
-     is the one to which `moves` are relative. Since 0.9. */
+  /* The loop may start from a corrected mask: in iteration 0, `moves` contains
+     the displacements of that mask, and `update` changes them. Without this
+     flag, the loop adds the displacements of such a start itself, and `moves`
+     begins with 0. Since 0.9. */
   EDA_SYNTHESIZER_CONTINUES = 1 << 1
 };
 
+/* Functions of a synthesizer. */
 typedef struct eda_synthesizer {
   /* Start a loop; feedback->printed is NULL. A later call starts anew.
      [main] */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Data kind (opcflow/step.h) "timing": the logic of cells, and simulated delays
-   and slews of arcs from inputs to outputs. The tables of each arc are
-   functions of input slew and load, with sensitivities to transistor sizes.
+/* Data kind (opcflow/step.h) "timing": the logic of standard cells, and
+   simulated delays and slews of arcs from inputs to outputs. A slew is the
+   duration of a transition between two voltage levels. The tables of each arc
+   are functions of input slew and load, with sensitivities to transistor sizes.
    Times in s, capacitances in F. Thesis: docs/background/physics.md. [any]:
    opcflow/plugin.h. */
 #pragma once
@@ -29,6 +30,7 @@ enum {
   EDA_TIMING_POWERS = 4   /* coefficients of a cubic */
 };
 
+/* A transistor of a cell. */
 typedef struct eda_timing_device {
   const char *name; /* name in the cell */
   uint8_t type;     /* EDA_NMOS, EDA_PMOS */
@@ -70,6 +72,7 @@ typedef struct eda_timing_pair {
   double *delay, *slew;
 } eda_timing_pair;
 
+/* A cell. */
 typedef struct eda_timing_cell {
   const char *name;
   const char *trouble; /* reason for a cell without arcs, or NULL */
@@ -77,8 +80,8 @@ typedef struct eda_timing_cell {
   const char **pin; /* names of inputs, then outputs */
   uint32_t *port;   /* net of each pin */
   uint8_t *level;   /* logic level, [output << inputs | states of the inputs] */
-  size_t nets;
-  int8_t *rail; /* of each net: 1 supply, -1 ground, otherwise 0 */
+  size_t nets;      /* number of nets */
+  int8_t *rail;     /* of each net: 1 supply, -1 ground, otherwise 0 */
   size_t devices, bundles;
   eda_timing_device *device;
   size_t slews, loads;
@@ -107,14 +110,17 @@ typedef struct eda_timing_cell {
                        | from], -1: none */
 } eda_timing_cell;
 
+/* The data object. */
 typedef struct eda_timing {
-  size_t count;
+  size_t count; /* number of cells */
   eda_timing_cell *cell;
   double supply, temperature; /* V, C */
   double low, high;           /* voltage levels of slews / supply */
-  eda_pool memory;
+  eda_pool memory;            /* owns all arrays and texts */
 } eda_timing;
 
+/* Return zeroed timing with `count` cells, whose arrays the caller allocates
+   from timing->memory; free it (NULL: do nothing). */
 OPC_EXPORT eda_timing *eda_timing_new(size_t count);
 OPC_EXPORT void eda_timing_free(void *timing);
 /* Return OPC_OK if each cell has a name and, unless `trouble` is set, inputs,

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Comparison of two correction methods on the same layouts (cases): changes of
-   figures, confidence intervals, and a verdict in one sentence. [main]: see
-   opcflow/plugin.h. */
+   figures, confidence intervals, and a verdict in one sentence. Figures are
+   numbers of a run, such as the deviations of Ion or the mask shots. [main]:
+   see opcflow/plugin.h. */
 #pragma once
 
 #include <eda/median.h>
@@ -22,6 +23,7 @@ enum {
   EDA_CHANGES
 };
 
+/* Verdict on a figure. */
 enum {
   EDA_VERDICT_SAME, /* no significant difference */
   EDA_VERDICT_BETTER,
@@ -51,10 +53,12 @@ typedef struct eda_change {
   const char *word;            /* "same", "better", "worse", "too few" */
 } eda_change;
 
+/* Two runs of one case: of the base method and of the other method. */
 typedef struct eda_run_pair {
   eda_run *base, *other;
 } eda_run_pair;
 
+/* Verdict on two methods. */
 typedef struct eda_verdict {
   char *method, *against;
   eda_change changes[EDA_CHANGES]; /* changes from `against` to `method` */
@@ -73,6 +77,7 @@ typedef struct eda_verdict {
 OPC_EXPORT int eda_verdict_init(eda_verdict *out, const char *method,
                                 const char *against, size_t n,
                                 const eda_run_pair *pairs, opc_error *error);
+/* Free the texts and clear the struct. */
 OPC_EXPORT void eda_verdict_clear(eda_verdict *v);
 
 /* Return the *n verdicts of all pairs of methods, of each method against each
@@ -83,6 +88,7 @@ OPC_EXPORT eda_verdict *eda_verdicts_new(size_t n_cases, size_t n_methods,
                                          const char *const *methods,
                                          const char *const *folders, size_t *n,
                                          opc_error *error);
+/* Free n verdicts (NULL: do nothing). */
 OPC_EXPORT void eda_verdicts_free(eda_verdict *verdicts, size_t n);
 
 /* Set *why to NULL if the transistors of two runs correspond one to one;

@@ -9,7 +9,8 @@
 
 OPC_C_BEGIN
 
-/* Convert n voltages to heights. [any] */
+/* Convert n voltages v, V, of an output that rises (`rises` = 1) or falls (0)
+   to heights; `supply`: supply voltage, V. [any] */
 OPC_EXPORT void eda_wave_heights(const double *v, size_t n, double supply,
                                  int rises, double *height);
 

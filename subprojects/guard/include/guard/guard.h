@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The guard reports plugins that crash, end the process or change its state
-   (process.h). A message names the plugin, the run folder is kept, and the
-   command ends with an exit code. [any], [main]: see opcflow/plugin.h.
-   docs/background/architecture.md explains the use of a signal handler. */
+/* The guard of the process reports plugins that crash, end the process or
+   change its state (process.h). A message names the plugin, the run folder is
+   kept, and the command ends with an exit code. [any], [main]: see
+   opcflow/plugin.h. docs/background/architecture.md explains the use of a
+   signal handler. */
 #pragma once
 
 /* Set the running plugin of this thread around each call: `before =

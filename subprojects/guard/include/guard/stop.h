@@ -17,6 +17,7 @@ struct stop_limit {
   char where[1024];
   stop_limit *outer;
 };
+/* Begin and end the time limit of a call of `seconds`. */
 void stop_limit_begin(stop_limit *limit, double seconds, const char *where);
 void stop_limit_end(const stop_limit *limit);
 

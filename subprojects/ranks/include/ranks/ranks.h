@@ -11,9 +11,9 @@
 
 /* Independent work units. Each function receives `data`. */
 typedef struct ranks_units {
-  void *data;
+  void *data;       /* passed to all functions */
   const char *name; /* name of a unit, for messages */
-  size_t count;
+  size_t count;     /* number of units */
 
   /* Return the relative cost of unit i, equal in every rank. High costs start
      first. */
@@ -40,10 +40,11 @@ typedef struct ranks_units {
   void (*release)(void *data, size_t i);
 } ranks_units;
 
-/* After the user stops the run, all functions return OPC_CANCELLED and do not
-   wait for other ranks. */
+/* The functions of a rank, which all ranks call in the same order. After the
+   user stops the run, all functions return OPC_CANCELLED and do not wait for
+   other ranks. */
 typedef struct ranks_group {
-  int rank, size;
+  int rank, size; /* number of this rank; number of ranks */
 
   /* Wait until every rank calls this function with the same `what`. `code` and
      *error are the fault of this rank, or OPC_OK. A rank whose `what` differs

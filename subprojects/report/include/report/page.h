@@ -6,6 +6,7 @@
 #include <glib.h>
 #include <opcflow/plugin.h>
 
+/* A page under construction. */
 typedef struct page {
   GString *runs;      /* JSON, separated by commas */
   GString *missing;   /* JSON texts: missing parts of the page */
@@ -17,6 +18,7 @@ typedef struct page {
 /* Initialise a page of about `megabytes` MB at most; pictures that exceed this
    size are omitted. */
 void page_init(page *p, double megabytes);
+/* Free the contents of a page. */
 void page_clear(page *p);
 
 /* Add a run folder, or all runs of an experiment. Returns OPC_OK or an error

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Run folders. A run is written into a slot: a hidden folder beside the target
-   folder. A lock protects the slot until opc_folder_free or the end of the
-   process. A finished run is renamed to the target as a whole, or exchanged
-   with an earlier run. */
+/* Run folders. A run is written into a slot, which here is a hidden folder
+   beside the target folder. A lock protects the slot until opc_folder_free or
+   the end of the process. A finished run is renamed to the target as a whole,
+   or exchanged with an earlier run. */
 #pragma once
 
 #include <glib.h>
 #include <opcflow/base.h>
 
+/* A slot. */
 typedef struct opc_folder {
   char *slot;    /* folder .NAME.opcflow-N, which contains the next three */
   char *lock;    /* a file, locked while the process runs */

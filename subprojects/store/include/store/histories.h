@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Origins of the results of the steps of a run. */
+/* Histories: for each step of a run, whether its result was computed or read
+   from the store. */
 #pragma once
 
 #include <glib.h>
@@ -22,6 +23,7 @@ typedef struct opc_histories {
   size_t done, reused; /* steps */
 } opc_histories;
 
+/* Initialise and clear a list. */
 void opc_histories_init(opc_histories *histories);
 void opc_histories_clear(opc_histories *histories);
 

@@ -6,6 +6,7 @@
 #include <glib.h>
 #include <opcflow/base.h>
 
+/* Type of a list: name and size in bytes of each file. */
 #define OPC_FILES_TYPE G_VARIANT_TYPE("a(ayt)")
 
 /* Add the file at `path` to a list under `name`, a path relative to a folder; a

@@ -10,6 +10,7 @@
 #include <glib.h>
 #include <opcflow/base.h>
 
+/* The store. */
 typedef struct opc_store opc_store;
 
 /* Default limit in bytes, about ten thousand results of 200 kB;
@@ -28,6 +29,7 @@ opc_store *opc_store_open(opc_error *error);
 void opc_store_close(opc_store *store);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_store, opc_store_close)
 
+/* Return the path of the store. */
 const char *opc_store_folder(const opc_store *store);
 
 /* Return the last problem since the previous call (g_free), such as a damaged
@@ -72,10 +74,12 @@ guint64 opc_store_most(const opc_store *store);
 
 /* ---- all values ---- */
 
+/* Number of values, their size in bytes, and the limit in bytes. */
 typedef struct opc_store_size {
   guint64 entries, bytes, limit;
 } opc_store_size;
 
+/* Return the size of the store. */
 opc_store_size opc_store_measure(const opc_store *store);
 
 /* Remove all values. Return FALSE and *error if a value could not be
