@@ -107,9 +107,9 @@ static const opc_flow_step *step_of_base(const opc_run *run,
                         : NULL;
 }
 
-/* Set the keys of the steps of an inner flow whose output is an input of the
-   calling step (OPC_INNER_STEP). Each has the key of the step of the outer flow
-   that provides the input. */
+/* Set the keys of those steps of an inner flow that inputs of the calling step
+   replace (OPC_INNER_STEP). The key is that of the step of the outer flow that
+   provides the input. */
 static void take_given(opc_run *run) {
   const opc_flow_step *outer = run->main ? run->main->at : NULL;
   for (guint i = 0; outer && i < outer->inputs->len; i++) {

@@ -279,7 +279,8 @@ static int read_table(resist_layer *l, opc_error *error) {
 
 /* ---- images of lines ---- */
 
-/* A line: image of the line, and fields of terms 1, 2, ... of the image. */
+/* A line that is simulated: its image, and the terms 1, 2, ... computed from
+   the image. */
 typedef struct specimen {
   const resist_line *want;
   eda_field image, term[RESIST_TERMS - 1];
@@ -305,9 +306,9 @@ static const double unit = 1e-3;
 static const double isolation = 4000;
 
 /* Error of the images of lines, relative to the clear field; one of the errors
-   of accurate simulations (correct/fine.c), so that kernels are reused. Half of
-   the error changes thresholds by 4e-6 of the clear field, and the width of a
-   line by 0.05 pm. */
+   of accurate simulations (correct/fine.c), so that kernels are reused. If the
+   error is halved, thresholds change by 4e-6 of the clear field, and the width
+   of a line by 0.05 pm. */
 static const double image_error = 1e-4;
 
 /* Compute the image of a vertical line. The line has the height of the frame,

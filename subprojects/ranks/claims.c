@@ -13,7 +13,7 @@ typedef struct claimed {
   const ranks_units *units;
   GBytes **own; /* [count], results of this process, not yet taken */
   size_t next;  /* lowest unit that is not yet taken */
-  size_t done;  /* units of this process that are not yet taken */
+  size_t done;  /* number of results in `own` */
 } claimed;
 
 static int unit_is_done(const claimed *c, size_t i) {

@@ -45,7 +45,8 @@ char *opc_file_sha256(const char *path, const opc_context *context,
   uint8_t buffer[65536];
   sha256_init(&sum);
   int code = OPC_OK;
-  /* Only the size at the start is read: a writer might append without end. */
+  /* Read no more than the size of the file at the start, because another
+     program might append without end. */
   for (off_t left = about.st_size; left > 0 && !code;) {
     ssize_t n = read(file, buffer, (size_t)MIN(left, (off_t)sizeof buffer));
     if (n < 0 && errno == EINTR) continue;

@@ -18,8 +18,9 @@
 
 /* ---- one check ---- */
 
-/* Store a line of a report (letters: lint.h); faults and notes once each. Keep
-   the first digest, but replace it by one that differs from `first`. */
+/* Store a line of a check's output; the first letter is the kind of the line
+   (report_text in checks.c). Store equal faults and notes only once. Keep the
+   first digest in *digest, unless a later digest differs from `first`. */
 static void take_line(opc_lint *lint, const char *line, const char *first,
                       char **digest) {
   if (*line == 'S') lint->sample = strtoul(line + 1, NULL, 10);
@@ -45,7 +46,7 @@ static void do_in_child(int out, void *data) {
 }
 
 /* Run check i in a child process; see take_line. Return FALSE if the process
-   crashed, ended early or showed no sign of life for the limit. */
+   crashed, ended early, or wrote no output within the time limit. */
 static gboolean run_check(opc_lint *lint, size_t i, const char *first,
                           char **digest) {
   const char *name = opc_checks[i].name;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Requests to a worker: arrays in shared memory, the exchange of messages, and
-   reports of exceptions, of ended processes and of calls that do not end. */
+/* Requests to a worker, the Python process of a plugin: arrays in shared
+   memory, and the exchange of messages. Reports of exceptions, of ended
+   processes and of calls that do not end. */
 #include <eda/memory.h>
 #include <errno.h>
 #include <poll.h>
@@ -107,7 +108,8 @@ void py_put_text(py_worker *w, const char *name, const char *text) {
 
 /* ---- shared memory ---- */
 
-/* Map `size` bytes of the own memory. */
+/* Map `size` bytes of the worker's memory (py_worker.memory), which this
+   process and the worker share. */
 static void memory_map(py_worker *w, size_t size) {
   if (w->base) munmap(w->base, w->size);
   w->size = size;
@@ -128,8 +130,10 @@ static void memory_reserve(py_worker *w, size_t size) {
   memory_map(w, grown);
 }
 
-/* Separate the arrays that the worker keeps after a call from those of the
-   caller, and from the own memory, which will change. */
+/* Keep the contents of arrays that the Python code still uses after a call. A
+   block of eda_alloc_shared is moved to a new file, so that later changes by
+   the owner do not reach the worker. If such an array is in py_worker.memory,
+   the next request uses new memory. */
 static void arrays_leave(py_worker *w) {
   JsonArray *kept = py_list(json_node_get_object(w->reply), "kept");
   for (guint i = 0; i < json_array_get_length(kept); i++) {

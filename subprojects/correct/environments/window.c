@@ -113,8 +113,8 @@ static int window_simulate(const eda_mask *mask, const size_t *classes,
 
 /* ---- access ---- */
 
-/* Keep the layout in the chip, because several steps request the same one and
-   its search for equal cells takes longer than they do. */
+/* Keep the layout in the chip: several steps request the same layout, and
+   making it takes longer than these steps. */
 static int window_layout(const eda_mask *mask, int drawn,
                          const eda_layout **out, opc_error *error) {
   const classes_source *s = mask->data;

@@ -22,7 +22,8 @@ static const double part_of_best = 0.3;
 typedef struct searcher {
   const eda_field *map;
   const eda_sraf_limits *rule;
-  double grid, dx, dy; /* lattice steps of the mask grid and of the map, nm */
+  double grid, dx,
+      dy; /* steps of the mask grid, and of the map (the lattice), nm */
   int nx, ny;
   double *gain;   /* cumulative gain to the left of and below each node, nm^2 */
   int32_t *taken; /* cumulative number of forbidden nodes, as `gain` */
@@ -93,7 +94,8 @@ static void keep_out(searcher *s, eda_box b, int32_t off) {
 /* ---- candidates ---- */
 
 /* Find the size with the largest gain for a bar whose corner is cell (x, y).
-   Widths increase by one cell, lengths by one cell plus an eighth. */
+   Widths increase by one cell, lengths by one cell plus an eighth of the
+   length. */
 static void try_sizes(const searcher *s, int x, int y, int upright,
                       candidate *best) {
   const eda_sraf_limits *r = s->rule;
