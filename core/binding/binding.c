@@ -12,8 +12,7 @@
 #include "core/plugin/pieces.h"
 #include "core/plugin/value.h"
 
-/* Limit of nested slots; ends the recursion if a plugin is the default of its
-   own slot. */
+/* Limit of nested slots, for a plugin that is the default of its own slot. */
 enum { DEEPEST_SLOT = 16 };
 
 /* State of a call of opc_bind. */
@@ -37,8 +36,7 @@ static opc_node *parse_preset(const binder *b, const opc_parameter *p) {
 }
 
 /* Return the complete map of a slot. A map without `use` only changes
-   parameters of the slot's default plugin, and is therefore merged over
-   `preset`. */
+   parameters of the default plugin, and is merged over `preset`. */
 static const opc_node *over_default(const binder *b, const opc_parameter *p,
                                     const opc_node *node) {
   if (!p->preset || opc_node_get(node, "use")) return node;
@@ -124,8 +122,7 @@ static void unknown_parameter(const binder *b, const opc_node *key,
             b->binding->plugin->id, suggestion);
 }
 
-/* Return the index of the parameter with a former name `name`; -1 if
-   missing. */
+/* Return the index of the parameter with the former name, -1 if missing. */
 static int find_former(const binder *b, const opc_node *key, const char *name) {
   const opc_plugin *plugin = b->binding->plugin;
   for (size_t i = 0; i < plugin->n_parameters; i++) {
@@ -187,8 +184,7 @@ static void bind_map(const binder *b, const opc_node *map, const char *prefix) {
 }
 
 /* Mark values equal to the default as not given. A resolved flow (resolve.h)
-   sets all parameters, and must produce the same `given` fields as the original
-   flow. */
+   sets all parameters, and must have the `given` fields of the original. */
 static void forget_defaults(const binder *b) {
   opc_binding *binding = b->binding;
   for (size_t i = 0; i < binding->plugin->n_parameters; i++) {

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Expands lists, patterns and files into layers (opcflow/inner.h) and names the
-   layers. */
+/* Expands lists, patterns and files into named layers (opcflow/inner.h). */
 #include "core/binding/expand.h"
 
 #include <base/file.h>
@@ -37,8 +36,7 @@ typedef struct item {
   gboolean several;    /* some key has several values */
 } item;
 
-/* A layer under construction: one value for each of the first keys of the
-   map. */
+/* A layer under construction: a value for each of the first keys. */
 typedef struct part {
   opc_node *map;  /* paths and values */
   GString *label; /* values of the keys with several values */
@@ -105,16 +103,14 @@ static void close_probe(probe *p) {
   opc_sweep_free(p->sweep);
 }
 
-/* Return whether a value may be a pattern, or begins with '!' to exclude
-   values. */
+/* Return whether a value may be a pattern, or excludes values by a '!'. */
 static gboolean is_pattern(const opc_node *node) {
   return node->type == OPC_NODE_TEXT &&
          (*node->text == '!' || strpbrk(node->text, "*?["));
 }
 
-/* Return the parameter at a path if values may be patterns: an OPC_FILE, or a
-   parameter with OPC_LISTED. Otherwise return NULL, because all values are
-   plain texts. */
+/* Return the parameter at a path if its values may be patterns (OPC_FILE or
+   OPC_LISTED). Otherwise return NULL: all values are plain texts. */
 static const opc_parameter *pattern_parameter(const expander *e, const item *it,
                                               const opc_node *map,
                                               const char *path) {
@@ -267,8 +263,7 @@ static void add_layer(expander *e, const item *it, const part *p) {
   g_ptr_array_add(e->names, g_steal_pointer(&name));
 }
 
-/* Combine each partial layer with each value of a key; NULL and problems if
-   that fails. */
+/* Combine each partial layer with each value of a key; NULL on failure. */
 static GPtrArray *parts_multiply(const expander *e, const item *it,
                                  GPtrArray *parts, const opc_node *key,
                                  const opc_node *value,
@@ -298,9 +293,8 @@ static GPtrArray *parts_multiply(const expander *e, const item *it,
   return good ? g_steal_pointer(&out) : NULL;
 }
 
-/* Return a layer with the first value of each key, without the keys whose first
-   value is a pattern. Patterns are expanded in a flow with this layer
-   applied. */
+/* Return a layer with the first value of each key, except of keys that begin
+   with a pattern. Patterns are expanded with this layer applied. */
 static opc_node *plain_layer(const opc_node *map) {
   opc_node *plain = opc_node_map_new(map->source, &map->at);
   for (guint i = 0; i < map->items->len; i++) {
@@ -412,8 +406,7 @@ static void expand_list(expander *e, const char *name, const opc_node *map,
   e->depth--;
 }
 
-/* Expand a map with the keywords `list`, `variant` and `name`, and with
-   paths. */
+/* Expand a map of paths and the keywords `list`, `variant` and `name`. */
 static void expand_words(expander *e, const char *name, const opc_node *node) {
   const opc_node *list = opc_node_get(node, "list");
   if (list) {

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads a flow file and the chain of files that it extends, and merges them.
-   The last file of the chain is the base; each file overrides the file that it
-   extends. */
+   Each file overrides the file that it extends. */
 #include "core/binding/recipe.h"
 
 #include <base/file.h>

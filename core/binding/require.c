@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reads the required ranges of metrics: from a tree to bounds in the unit of
-   each metric. */
+/* Reads required ranges of metrics, as bounds in the unit of each metric. */
 #include <math.h>
 #include <string.h>
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The opcflow command and its verbs. Verbs without a function belong to
-   opcflow-devel. */
+/* The command opcflow. Verbs without a function belong to opcflow-devel. */
 #include "core/cli/cli.h"
 
 static const cli_verb cache = {CLI_CACHE}, explain = {CLI_EXPLAIN},

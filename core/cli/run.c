@@ -231,8 +231,7 @@ static int run_one(const series *s, const char *variant) {
   return run_print_results(s, run, note, problems);
 }
 
-/* Run all variants; return the exit code of the first failed run, CLI_STOPPED
-   after a stop. */
+/* Run all variants. Return the first failed exit code, or CLI_STOPPED. */
 static int run_all(const series *s) {
   int code = CLI_GOOD;
   stop_on_signals(CLI_STOPPED);

@@ -300,8 +300,7 @@ opc_node *opc_preset_parse(const opc_parameter *parameter,
   const char *text = parameter->preset;
   if (is_structured(parameter))
     return opc_node_parse(&source, text, strlen(text), problems);
-  /* Keep the type text: an empty preset is an empty text, not a missing
-     value. */
+  /* Keep the type text: an empty preset is a text, not a missing value. */
   return opc_node_text_new(&source, text);
 }
 

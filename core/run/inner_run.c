@@ -118,8 +118,7 @@ static void free_runs(opc_inner_runs *runs) {
 }
 
 /* Start the inner runs and run the trunk. The trunk and each level (levels.h)
-   have a folder of their own, whose files are copied to each run that is
-   kept. */
+   have a folder each, whose files are copied to each run that is kept. */
 static int inner_runs_begin(const opc_host *host, opc_error *error) {
   const opc_binding *b = host->data;
   g_autofree char *name = g_build_filename(b->path, "flow.yaml", NULL);

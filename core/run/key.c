@@ -20,8 +20,7 @@ typedef struct keyer {
 
 /* ---- facts ---- */
 
-/* Return the path of a parameter below the root, such as "slot.name"
-   (g_free). */
+/* Return a parameter's path below the root, such as "slot.name" (g_free). */
 static char *place_of(const keyer *k, const opc_binding *b, const char *name) {
   const char *rest = b->path + strlen(k->root);
   rest += *rest == '.';
@@ -91,8 +90,7 @@ static void add_beside(keyer *k, const char *path, const char *file) {
   }
 }
 
-/* Append a text of a list or map in quotes, so that the ends of texts are
-   unambiguous. */
+/* Append a text of a list or map in quotes, so that its end is unambiguous. */
 static void text_append_quoted(GString *out, const char *text) {
   g_autofree char *quoted = g_strescape(text, NULL);
   g_string_append_printf(out, "%s\"%s\"", out->len ? " " : "", quoted);

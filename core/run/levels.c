@@ -12,9 +12,8 @@
 
 /* ---- one run ---- */
 
-/* Use the outputs of `from`, including outputs that `from` itself uses from
-   lower levels. Steps are matched by name, because a layer may add or remove
-   steps. */
+/* Use the outputs of `from`, including those that `from` uses from lower
+   levels. Steps match by name, because a layer may add or remove steps. */
 static void run_borrow(opc_run *run, opc_run *from) {
   run->kept.base = from;
   for (guint i = 0; i < run->flow->steps->len; i++) {

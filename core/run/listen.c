@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Records findings and warnings of a run's instances, and passes on all
-   messages. */
+/* Records findings and warnings of a run, and passes on all messages. */
 #include "core/run/listen.h"
 #include "core/binding/lookup.h"
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Runs points one after another; collects their parameters and metrics in a
-   table. */
+/* Runs points in sequence; collects parameters and metrics in a table. */
 #include "core/run/points.h"
 
 #include <math.h>
@@ -50,8 +49,7 @@ static void take_metrics(const opc_points *s, const opc_run *run,
   }
 }
 
-/* Complete the table: move the results of the finished points into the
-   table. */
+/* Move the results of the finished points into the table. */
 static void finish_table(const opc_points *s, opc_table *table) {
   double *seconds = opc_table_add(table, "seconds", NULL, OPC_REAL, 3);
   char **results = opc_table_add(table, "result", NULL, OPC_TEXT, 0);

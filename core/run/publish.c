@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the publication of files, tables and metrics by a run's
-   instances. */
+/* Publishes files, tables and metrics of the instances of a run. */
 #include <base/file.h>
 #include <errno.h>
 #include <store/files.h>

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Packs the effects of a step besides its outputs (files, tables, metrics and
-   warnings) as one value, so that the effects can be repeated without the
-   step. */
+   warnings) as one value, to repeat the effects without the step. */
 #include <string.h>
 
 #include <store/pack.h>

@@ -56,8 +56,7 @@ void opc_reuse_report(const opc_run *run) {
   }
 }
 
-/* Record that a reused step ran again because the step `whom` needs its
-   outputs. */
+/* Record that a reused step ran again for its outputs, needed by `whom`. */
 static void rerun_record(opc_run *run, const opc_flow_step *step,
                          const char *whom) {
   char *path = g_strdup(step->name);

@@ -75,8 +75,7 @@ void opc_run_free(opc_run *run) {
 
 /* ---- ranks ---- */
 
-/* Steps of inner flows are not distributed: each rank runs these steps
-   alone. */
+/* Steps of inner flows are not distributed: each rank runs all of them. */
 const ranks_group *opc_run_ranks(const opc_run *run) {
   for (const opc_run *r = run; r; r = r->main)
     if (r->apart || (r->main && r->main->at)) return NULL;

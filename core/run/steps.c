@@ -11,9 +11,8 @@
 #include "core/run/reports.h"
 #include "core/run/reuse.h"
 
-/* Return, by step number, whether every rank runs the step (g_free). Every rank
-   runs the steps that distribute pieces and the steps that provide their
-   inputs. */
+/* Return, by step number, whether every rank runs the step (g_free): a step
+   that distributes pieces, or that provides inputs of such a step. */
 static gboolean *find_shared(const opc_run *run) {
   const GPtrArray *order = run->flow->order;
   gboolean *shared = g_new0(gboolean, run->flow->steps->len);
