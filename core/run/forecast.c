@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Asks steps for their forecasts. */
+/* Asks steps how much work and memory they will need. */
 #include "core/run/forecast.h"
 
 #include <base/unit.h>

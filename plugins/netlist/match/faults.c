@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Locates mismatches between netlist and layout. The colour of a bundle
-   describes its neighbourhood; bundles of equal colour are counterparts. The
-   comparison starts with wide neighbourhoods. Bundles without a counterpart are
-   reported. */
+/* Locates mismatches between netlist and layout. A bundle is all transistors of
+   one type with the same nets. The colour of a bundle describes its
+   neighbourhood; bundles of equal colour are counterparts. The comparison
+   starts with wide neighbourhoods, and reports bundles without a
+   counterpart. */
 #include <glib.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -10,7 +10,7 @@
 #include "drc.h"
 #include "tuning.h"
 
-/* Typical search distance, nm. */
+/* Typical distance of a search by position, nm; sets the cells of the index. */
 static const double around = 300;
 
 static void site_add(drc *r, site one) {

@@ -2,9 +2,9 @@
 /* Implements the correction by classes: transistors are found window by window.
    One transistor of each class of equal drawn environments is corrected, and
    all transistors of the class receive its mask. One transistor of each class
-   of equal masked environments is simulated. If its |Ion deviation| exceeds a
-   part of the limit, the transistors of that class receive a mask of their
-   own. */
+   of equal masked environments, called a print, is simulated. If its |Ion
+   deviation| exceeds a part of the limit, the transistors of that class receive
+   a mask of their own. */
 #include <eda/memory.h>
 #include <eda/print.h>
 #include <math.h>
@@ -46,8 +46,9 @@ void work_progress(const work *w, double part) {
   w->host->progress(w->host, &at);
 }
 
-/* Return the key of a stored result within a step. The other dependencies of
-   the result are in the results of earlier rounds. */
+/* Return the key of a work unit within the step: round and sheet. The other
+   data on which the result depends are parameters of the step, or results of
+   earlier rounds. */
 static const char *sheets_key(void *data, size_t i) {
   sheets *s = data;
   g_free(s->key);

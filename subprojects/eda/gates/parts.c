@@ -7,9 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Area of a strip, nm^2, and its smallest height, nm. The window of a strip
-   also contains 2 to 3 um of layout below and above. The window of a strip of a
-   memory 2 mm wide has about 10^5 transistors. */
+/* A large mask is visited in horizontal strips. Area of a strip, nm^2, and its
+   smallest height, nm. The window of a strip also contains 2 to 3 um of layout
+   below and above. The window of a strip of a memory 2 mm wide has about 10^5
+   transistors. */
 static const double strip_area = 9e8, strip_least = 4000;
 
 /* ---- parts to simulate ---- */

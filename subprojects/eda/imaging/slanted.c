@@ -20,8 +20,9 @@ static const double gauss[GAUSS / 2] = {
     0.29552422471475287, 0.26926671930999636, 0.21908636251598204,
     0.14945134915058059, 0.06667134430868814};
 
-/* Add the differences in x and y of a part of the edge at (x, y). dy is the
-   weighted height of the part, positive for upward edges. */
+/* Add a part of an edge at (x, y) to the raster. The raster stores differences
+   in x and y (raster.h). dy is the weighted height of the part, positive for
+   upward edges. */
 static void edge_deposit(const eda_raster *r, double x, double y, double dy,
                          int low, int high) {
   int j = (int)floor(y) - EDA_RASTER_DEGREE / 2 + EDA_RASTER_MARGIN;
