@@ -29,7 +29,7 @@ typedef struct eda_delay {
 typedef struct eda_delay_path {
   eda_delay delay;
   const char *from, *to; /* nets */
-  uint8_t rises;         /* 1: the output rises */
+  uint8_t rises;         /* 1: the output rises, 0: falls */
 } eda_delay_path;
 
 /* An arc from an input of a cell instance to an output: the mean delay over the
@@ -37,9 +37,11 @@ typedef struct eda_delay_path {
 typedef struct eda_delay_arc {
   eda_delay delay;
   const char *cell, *instance, *input, *output;
-  uint8_t rises;
+  uint8_t rises; /* 1: the output rises, 0: falls */
 } eda_delay_arc;
 
+/* Delays of the paths and of the arcs of a circuit. The struct owns all arrays
+   and texts (`memory` and `size`), but not the gates. */
 typedef struct eda_delays {
   const char *name;           /* of the circuit */
   const eda_gates *gates;     /* must outlive the delays; NULL: the sizes of no
@@ -54,12 +56,13 @@ typedef struct eda_delays {
   eda_pool memory;
 } eda_delays;
 
-/* Return empty delays with the arrays `size`, unless `gates` is NULL. */
+/* Return delays without paths and arcs, and allocate the arrays `size` for all
+   gates unless `gates` is NULL. Release with eda_delays_free. [any] */
 OPC_EXPORT eda_delays *eda_delays_new(const eda_gates *gates);
-/* Free delays (NULL: do nothing), but not the gates. */
+/* Free delays (NULL: do nothing), but not the gates. [any] */
 OPC_EXPORT void eda_delays_free(void *delays);
 /* Check that there is a path, that all figures are finite, and that all gates
-   exist. Return OPC_OK, or OPC_FAILED and *error. */
+   exist. Return OPC_OK, or OPC_FAILED and *error. [any] */
 OPC_EXPORT int eda_delays_check(const void *delays, opc_error *error);
 
 /* Initialise an opc_port (opcflow/step.h). */
