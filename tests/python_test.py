@@ -433,6 +433,37 @@ def test_wheel():
     return None
 
 
+STAT = '''import numpy as np
+from opcflow import Step, gates_input, mask_input, metric
+
+
+class Stat(Step):
+    """Measures a mask"""
+    mask = mask_input("mask")
+    gates = gates_input("transistors", required=False)
+    ion = metric("mean of |Ion deviation|", unit="%")
+    printed = metric("number of transistors that print")
+
+    def run(self):
+        assert self.gates is None and self.mask.flags.shape == (self.mask.gates.count,)
+        self.metric("ion", 100 * np.mean(np.abs(self.mask.after.ion / self.mask.design.ion - 1)))
+        self.metric("printed", np.count_nonzero(self.mask.flags == 0))
+'''
+
+
+def test_mask_input():
+    """A step in Python receives a mask; an input that is not required can be absent."""
+    write("plugins/test.stat.py", STAT)
+    write("stat.yaml", "opcflow: 1\nname: stat\nextends: %s/flows/demo.yaml\n"
+          "steps: { stat: { use: test.stat, mask: '${mask}' } }\n" % SOURCE)
+    call("run", "stat.yaml", "--output", "out/stat", "--set", "picture=~")
+    with open("out/stat/metrics.json") as f:
+        metrics = json.load(f)
+    stat, mask = metrics["stat"], metrics["mask"]
+    assert abs(stat["ion"]["value"] - mask["ion_mean"]["value"]) < 1e-9, (stat, mask["ion_mean"])
+    assert stat["printed"]["value"] == mask["transistors"]["value"] == 4, stat
+
+
 def test_modules():
     """A file without a dot in its name is a module of plugins, not a plugin."""
     write("plugins/module.py", "raise SystemExit('executed')\n")
@@ -446,7 +477,7 @@ def test_modules():
 def main():
     tests = [test_same_mask, test_inspect, test_key, test_kills, test_time_limit,
              test_host_killed, test_lint, test_kit, test_network, test_ilt, test_new, test_description,
-             test_runs, test_wheel, test_modules]
+             test_runs, test_wheel, test_modules, test_mask_input]
     print("1..%d" % len(tests))
     if subprocess.run(["python3", "-c", "import numpy"], stderr=subprocess.DEVNULL).returncode:
         for i, test in enumerate(tests):

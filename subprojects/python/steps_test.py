@@ -193,6 +193,7 @@ def test_librelane_missed():
     result, text = call("librelane", LIBRELANE, "own65", *DRAWN)
     assert result, text
     assert result["metrics"]["opcflow__requirements__missed"] >= 1
+    assert result["metrics"]["opcflow__mask__ion_max"] > 1
     assert "missed requirements of the mask" in result["refused"], result
     result, text = call("librelane", LIBRELANE, "nonesuch")
     assert result is None and "no process 'nonesuch'" in text, text

@@ -75,7 +75,7 @@ static void put_mask(py_worker *w, const char *name, const eda_mask *mask) {
   py_put_performance(w, "design", &mask->design);
   py_put_performance(w, "before", &mask->before);
   py_put_performance(w, "after", &mask->after);
-  py_put_array(w, "flags", "u4", mask->gates->count, 1, mask->flags);
+  py_put_array(w, "flags", "u4", mask->gates->count, 0, mask->flags);
   py_put_shapes(w, "shapes", mask->layers, mask->shapes);
   py_end(w, '}');
 }

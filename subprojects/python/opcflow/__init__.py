@@ -7,10 +7,9 @@ run folder.
 """
 from .data import (ACTIVE, END, NMOS, OPEN, PARTS, PMOS, POLY, VETO_LONGER, VETO_NARROWER,
                    VETO_SHORTER, VETO_WIDER)
-from .parameters import (Invalid, boolean, choice, file, integer, mapping, metric, output, real,
-                         reals, text)
-from .plugins import (Extractor, Litho, Regulator, Resist, Step, Synthesizer, gates_input,
-                      mask_input)
+from .parameters import (Invalid, boolean, choice, file, gates_input, integer, mapping, mask_input,
+                         metric, output, real, reals, text)
+from .plugins import Extractor, Litho, Regulator, Resist, Step, Synthesizer
 
 RUNS = ("Comparison", "Failed", "Run", "compare", "run")
 

@@ -15,7 +15,18 @@ class Invalid(ValueError):
         self.parameter = parameter
 
 
-class Parameter:
+class Declaration:
+    """Base of declarations; `fields` are the members of the description."""
+
+    def __set_name__(self, owner, name):
+        self.name = name
+
+    def describe(self):
+        """Return the declaration as a dictionary."""
+        return {"name": self.name, **self.fields}
+
+
+class Parameter(Declaration):
     """Declaration of a parameter; see opc_parameter in opcflow/plugin.h. The functions below, such
     as real("a length", unit="nm", preset="2 um", above=0), take these arguments:
 
@@ -51,18 +62,11 @@ class Parameter:
                       preset=preset if preset is None else str(preset))
         self.fields = {k: v for k, v in fields.items() if v is not None}
 
-    def __set_name__(self, owner, name):
-        self.name = name
-
     def __get__(self, instance, owner=None):
         return self if instance is None else instance.__dict__.get(self.name)
 
     def __set__(self, instance, value):
         instance.__dict__[self.name] = value
-
-    def describe(self):
-        """Return the declaration as a dictionary."""
-        return {"name": self.fields.get("name", self.name), **self.fields}
 
 
 real = partial(Parameter, "real")        # a number in `unit`
@@ -74,21 +78,17 @@ file = partial(Parameter, "file")        # the path of an existing file
 output = partial(Parameter, "output")    # the name of a file in the run folder: Step.output_path
 reals = partial(Parameter, "reals")      # a list of numbers in `unit`
 mapping = partial(Parameter, "map")      # a dictionary of texts
+# Inputs of a step: transistors, a corrected mask. required=False: the flow can omit the input.
+gates_input = partial(Parameter, "input", choices="gates", required=True)
+mask_input = partial(Parameter, "input", choices="mask", required=True)
 
 
-class Metric:
+class Metric(Declaration):
     """Declaration of a metric of a step; see opc_metric in opcflow/plugin.h. `better` is "lower",
     "higher" or None."""
 
     def __init__(self, summary, unit=None, better=None, tolerance=0.0):
         self.fields = {"summary": summary, "unit": unit, "better": better, "tolerance": tolerance}
-
-    def __set_name__(self, owner, name):
-        self.name = name
-
-    def describe(self):
-        """Return the declaration as a dictionary."""
-        return {"name": self.name, **self.fields}
 
 
 metric = Metric

@@ -7,23 +7,6 @@ from . import data
 from .parameters import Metric, Parameter
 
 
-class Input(Parameter):
-    """Declaration of an input of a step."""
-
-    def __init__(self, kind, summary, required=True):
-        super().__init__("input", summary, required=required, choices=kind)
-
-
-def gates_input(summary, required=True):
-    """Declare an input of a step: transistors."""
-    return Input("gates", summary, required)
-
-
-def mask_input(summary, required=True):
-    """Declare an input of a step: a corrected mask."""
-    return Input("mask", summary, required)
-
-
 class Plugin:
     """Base of all plugins. A plugin sets these class attributes; the first line of its docstring
     is its summary."""
