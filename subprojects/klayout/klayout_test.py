@@ -4,6 +4,7 @@
 window by the program klayout, if they are installed. The expected transistors, shapes and places
 are computed by KLayout from the drawn layout."""
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -23,25 +24,33 @@ extends: %s/flows/processes/own65.yaml
 steps:
   layout: { scale: 2 }
 """
-# Executed by klayout: the window corrects the layout, and answers events in the meantime.
+# Executed by klayout: a run, a run that is cancelled, and a run that replaces the first one. Other
+# events are handled in the meantime.
 SCRIPT = """
 import os, pya, traceback
-main, parts, events = pya.MainWindow.instance(), [], []
+main, events, texts = pya.MainWindow.instance(), [], []
 main.load_layout("chip.gds", 1)
 def follow(*_):
-    global window, timer
     try:
-        from opcflow_klayout import window as module
-        if "window" not in module.KEPT:
+        from opcflow_klayout.window import KEPT
+        if "window" not in KEPT:
             main.menu().action("tools_menu.opcflow").trigger()
-            window = module.KEPT["window"]
-            window.process.setEditText("own65")
+            KEPT["window"].process.setEditText("own65")
+        window = KEPT["window"]
+        if window.job:
+            events.append((len(texts), window.job.fraction))
+            return
+        texts.append(window.label.text.splitlines()[0] if events else '')
+        if len(texts) < 4:
             window.start()
-        elif window.job:
-            events.append(window.job.fraction)
-        else:
-            print("events", len(set(events)) > 1, "rows", window.table.topLevelItemCount,
-                  "views", window.view.cellviews(), "text", window.label.text, flush=True)
+        if len(texts) == 2:
+            window.start_or_cancel()
+        if len(texts) == 4:
+            print("events", len({f for n, f in events if n == 1}) > 1, "texts", texts,
+                  "rows", window.table.topLevelItemCount, "views", window.view.cellviews(),
+                  "databases", window.view.num_rdbs(), "drawn", [
+                      window.view.cellview(i).filename().endswith("chip.gds") for i in range(2)],
+                  flush=True)
             os._exit(0)
     except Exception:
         traceback.print_exc()
@@ -252,7 +261,11 @@ def test_window(_):
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=240,
                           env={**os.environ, "HOME": os.path.abspath("home"),
                                "QT_QPA_PLATFORM": "offscreen", "PYTHONDONTWRITEBYTECODE": "1"})
-    assert "events True rows 8 views 2 text 8 transistors" in done.stdout, done.stdout
+    found = re.search("events True texts \\['', '(.*?)', '(.*?)', '(.*?)'\\] (.*)", done.stdout)
+    assert found, done.stdout
+    assert found[1].startswith("8 transistors") and found[3] == found[1], found[0]
+    assert found[2] == "The run was cancelled.", found[0]
+    assert found[4] == "rows 8 views 2 databases 1 drawn [True, False]", found[0]
     return None
 
 

@@ -106,7 +106,8 @@ class Job:
         """Interpret a line of the program."""
         status = STATUS.match(line)
         if not status:
-            self.messages += [line] if line and not line.startswith("[") else []
+            # Times of steps are no messages; a finding repeats a warning.
+            self.messages += [line] if line and not line.startswith(("[", "finding: ")) else []
             return
         number, count, step, done, total, worst = status.groups()
         part = float(done) / float(total) if total and float(total) > 0 else 0

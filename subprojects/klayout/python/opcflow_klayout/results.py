@@ -48,20 +48,26 @@ class Results:
             for value in values:
                 item.add_value(value)
 
-    def show(self, view, former=None):
-        """Show layers and markers in the view, above the layout; `former` is the result of an
-        earlier call, which is removed. Returns the index of the new cell view."""
-        if former is not None and former < view.cellviews() and former > 0:
-            view.erase_cellview(former)
+    def show(self, view):
+        """Show layers and markers in the view, above the layout. Returns the index of the new
+        cell view."""
         box, active = view.box(), view.active_cellview().index()
         index = view.load_layout(self.path("run.oas"), "", True)
         view.cellview(index).layout().dbu /= self.scale
         view.load_layer_props(self.path("run.lyp"), index, False)
         view.set_active_cellview_index(active)
         view.zoom_box(box)
-        database = view.rdb(view.create_rdb("opcflow"))
-        self.fill_database(database)
+        self.fill_database(view.rdb(view.create_rdb("opcflow")))
         return index
+
+    def hide(self, view):
+        """Remove layers and markers from the view, if the user has not removed them."""
+        for i in reversed(range(view.cellviews())):
+            if view.cellview(i).filename() == self.path("run.oas"):
+                view.erase_cellview(i)
+        for i in reversed(range(view.num_rdbs())):
+            if view.rdb(i).filename() == self.path("run.lyrdb"):
+                view.remove_rdb(i)
 
 
 def scaled(value, trans):

@@ -22,7 +22,7 @@ class Window(pya.QDialog):
 
     def __init__(self, parent=None):
         super().__init__(parent)
-        self.job, self.results, self.shown = None, None, None
+        self.job, self.results = None, None
         self.view = pya.LayoutView.current()
         self.setWindowTitle("opcflow")
         self.resize(760, 420)
@@ -128,9 +128,11 @@ class Window(pya.QDialog):
         self.table.clear()
         for row in results.rows:
             self.table.addTopLevelItem(pya.QTreeWidgetItem([row[name] for name in COLUMNS]))
+        if self.results:
+            self.results.hide(self.view)
+        index = results.show(self.view)
+        self.view.show_rdb(self.view.num_rdbs() - 1, index)
         self.results, self.kept = results, self.place  # the files exist as long as the results
-        self.shown = results.show(self.view, self.shown)
-        self.view.show_rdb(self.view.num_rdbs() - 1, self.shown)
 
     def zoom(self, item, _column):
         """Show the transistor of a row."""
