@@ -20,12 +20,12 @@ enum { SAMPLED = 3 };
 
 /* Constants of LANES gates. A gate beyond the last one has the weight 0. */
 typedef struct lane_group {
-  float length[LANES];  /* drawn, nm */
-  float nominal[LANES]; /* equivalent length of Ion minus drawn, nm */
-  int32_t curve[LANES]; /* position of the curve in curves.value */
-  int32_t rough[LANES]; /* position in circuit.rough, in floats */
-  float leakage[LANES]; /* drawn Ioff over the drawn total */
-  float mean[2][LANES]; /* weight of Ion in the mean of a type */
+  float length[LANES];            /* drawn, nm */
+  float nominal[LANES];           /* equivalent length of Ion minus drawn, nm */
+  int32_t curve[CURRENTS][LANES]; /* position of the curve in curves.value */
+  int32_t rough[LANES];           /* position in circuit.rough, in floats */
+  float leakage[LANES];           /* drawn Ioff over the drawn total */
+  float mean[2][LANES];           /* weight of Ion in the mean of a type */
   uint32_t gate[LANES];
   size_t tile, used;
 } lane_group;
@@ -40,7 +40,8 @@ typedef struct plan {
 static void lane_set(lane_group *g, size_t k, const circuit *c, size_t gate) {
   g->length[k] = (float)c->drawn_length[gate];
   g->nominal[k] = (float)(c->nominal[gate] - c->drawn_length[gate]);
-  g->curve[k] = (int32_t)(c->curves->kind[gate] * c->curves->count);
+  g->curve[ION][k] = (int32_t)(c->curves->kind[gate] * c->curves->count);
+  g->curve[IOFF][k] = (int32_t)(c->leakage->kind[gate] * c->leakage->count);
   g->rough[k] = (int32_t)(gate * KNOTS * (sizeof *c->rough / sizeof(float)));
   g->gate[k] = (uint32_t)gate;
 }
@@ -132,16 +133,18 @@ static inline float table_at(const float *table, int stride, float last,
 }
 
 /* Write the logarithms of the currents without line edges, log[2][LANES]. */
-EDA_WIDE static void group_curves(const lane_group *g, const curves *c,
+EDA_WIDE static void group_curves(const lane_group *g, const curves *const of[],
                                   const float *x, float *log) {
-  float last = (float)(c->count - 1), scale = (float)(1 / c->step);
-  float first = (float)c->first;
-  for (int q = 0; q < CURRENTS; q++)
+  for (int q = 0; q < CURRENTS; q++) {
+    const curves *c = of[q];
+    float last = (float)(c->count - 1), scale = (float)(1 / c->step);
+    float first = (float)c->first;
     for (int k = 0; k < LANES; k++) {
       float t = (g->length[k] + x[q * LANES + k] - first) * scale;
       log[q * LANES + k] = x[WIDTH * LANES + k] +
-                           table_at(c->value[q] + g->curve[k], 1, last, t);
+                           table_at(c->value[q] + g->curve[q][k], 1, last, t);
     }
+  }
 }
 
 /* Add the effect of the line edges to the logarithms, from the normal numbers
@@ -303,7 +306,8 @@ static void sample_some(const sampling *s, size_t at,
     for (size_t k = 0; k < TOGETHER; k++) {
       const float *one = x + k * SAMPLED * LANES;
       normal_pairs(key[k], (uint32_t)(g * LANES), a, b);
-      group_curves(group, c->curves, one, log);
+      group_curves(group, (const curves *const[]){c->curves, c->leakage}, one,
+                   log);
       memcpy(plain, log, sizeof plain);
       group_edges(group, c->rough, one, a, b, log);
       if (memory->edges) keep_edges(memory, group, plain, log, at % BLOCK + k);

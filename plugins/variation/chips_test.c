@@ -88,6 +88,7 @@ static model *model_new(void) {
   g_assert_cmpuint(m->curves.kinds, ==, 1);
   m->c = (circuit){.surrogate = &m->s,
                    .curves = &m->curves,
+                   .leakage = &m->curves,
                    .rough = m->rough,
                    .drawn_length = m->length,
                    .drawn_width = m->width,
@@ -202,6 +203,8 @@ static void test_quadratic(void) {
   model *m = model_new();
   set_term(m, LENGTH, term_of(&m->s, POLY_FOCUS, 2, -1, 0), 2 * 16);
   set_term(m, LENGTH, term_of(&m->s, POLY_DOSE, 1, OVERLAY_Y, 1), 1 * 16);
+  assert_near(curves_length(&m->curves, 3, IOFF, -0.46), 67.3, 1e-4);
+  assert_near(curves_length(&m->curves, 3, ION, 9), m->curves.first, 1e-4);
   sample *s = sample_new(m, N, NULL);
   double mean = s->moments[3].sum[0] / N;
   double variance = s->moments[3].square[0] / N - mean * mean;

@@ -35,9 +35,10 @@ enum { FINER = 16 };
    the points are spread 1.7 times as wide as the conditions. */
 static const double most_open = 5;
 
-/* Range of the curves beyond the equivalent lengths of all points, and least
-   length, nm. */
-static const double beyond = 10, least_length = 20;
+/* Range of the curves beyond the drawn lengths, and least length, nm. Beyond
+   the range, the value at the end holds, so that the error of the surrogate
+   would exceed its limit. */
+static const double beyond = 30, least_length = 20;
 
 /* Streams of random numbers, apart from those of the sampled chips. */
 enum { STREAM_FIT = 1000, STREAM_TEST, STREAM_IMAGES };
@@ -52,7 +53,6 @@ typedef struct conditions {
   float *value, *tested; /* of points and tests, as in surrogate_fit */
   float *currents;       /* of tests: ln over drawn, [(test * 2 + current) *
                             gates + gate] */
-  double low, high;      /* range of the equivalent lengths, nm */
   eda_measurement measured;
   eda_field *print;
 } conditions;
@@ -160,21 +160,20 @@ static void figures_write(conditions *c, float *out, float *current) {
   const eda_performance *p = &c->measured.performance, *d = &v->design;
   size_t n = g->count;
   for (size_t i = 0; i < n; i++) {
-    double on = p->leq_ion[i], off = p->leq_ioff[i];
+    double on = p->leq_ion[i], w = log(p->weq[i] / g->width[i]), off;
     if (!has_currents(p, i)) {
       for (size_t k = 0; k < FIGURES; k++) out[k * n + i] = NAN;
       if (current) current[ION * n + i] = current[IOFF * n + i] = NAN;
       v->open++;
       continue;
     }
+    off = curves_length(&v->leakage, i, IOFF, log(p->ioff[i] / d->ioff[i]) - w);
     out[LENGTH * n + i] = (float)(on - g->length[i]);
     out[LENGTH_OFF * n + i] = (float)(off - g->length[i]);
-    out[WIDTH * n + i] = (float)log(p->weq[i] / g->width[i]);
+    out[WIDTH * n + i] = (float)w;
     out[AREA * n + i] = (float)log(p->area[i] / d->area[i]);
     if (current) current[ION * n + i] = (float)log(p->ion[i] / d->ion[i]);
     if (current) current[IOFF * n + i] = (float)log(p->ioff[i] / d->ioff[i]);
-    c->low = fmin(c->low, fmin(on, off));
-    c->high = fmax(c->high, fmax(on, off));
     v->failed += eda_print_failed(c->measured.flags[i]) != 0;
     v->outside += (c->measured.flags[i] & EDA_PRINT_OUTSIDE) != 0;
   }
@@ -182,21 +181,25 @@ static void figures_write(conditions *c, float *out, float *current) {
 
 /* Slices of all gates at the nominal condition. */
 typedef struct nominal_slices {
-  const variation *v;
+  variation *v;
   size_t slices;
   double *width, *length; /* [gate * slices + slice] */
-  curves *curves;
 } nominal_slices;
 
 static int nominal_visit(void *data, size_t first, const eda_slices *in,
                          opc_error *error) {
   const nominal_slices *n = data;
-  const variation *v = n->v;
+  variation *v = n->v;
   size_t bytes = in->count * in->slices * sizeof(double);
   memcpy(n->width + first * in->slices, in->width, bytes);
   memcpy(n->length + first * in->slices, in->length, bytes);
-  return curves_fill(n->curves, v->host->context, v->with.extractor, first, in,
-                     &v->design, v->gates->width, error);
+  const double *of[] = {NULL, v->gates->length};
+  curves *to[] = {&v->curves, &v->leakage};
+  int code = OPC_OK;
+  for (int k = 0; k < 2 && !code; k++)
+    code = curves_fill(to[k], v->host->context, v->with.extractor, first, in,
+                       &v->design, v->gates->width, of[k], error);
+  return code;
 }
 
 /* Measure the transistors at a point z. `visit`: receives the slices, or
@@ -316,12 +319,17 @@ static int measure_nominal(conditions *c, opc_error *error) {
   size_t gates = v->gates->count;
   const double *place, *part;
   image images[LAYERS] = {{0}};
-  nominal_slices n = {.v = v, .curves = &v->curves};
+  nominal_slices n = {.v = v};
+  double low = INFINITY, high = 0;
   n.slices = model->slicing(v->with.extractor->self, &place, &part);
   n.width = eda_alloc(2 * gates * n.slices, sizeof *n.width);
   n.length = n.width + gates * n.slices;
-  curves_init(&v->curves, gates, fmax(least_length, c->low - beyond),
-              c->high + beyond);
+  for (size_t i = 0; i < gates; i++) {
+    low = fmin(low, fmax(least_length, v->gates->length[i] - beyond));
+    high = fmax(high, v->gates->length[i] + beyond);
+  }
+  curves_init(&v->curves, gates, low, high);
+  curves_init(&v->leakage, gates, low, high);
   int code = OPC_OK;
   for (int k = 0; k < LAYERS && !code; k++) {
     code = image_make(c, k, &images[k], error);
@@ -339,6 +347,7 @@ static int measure_nominal(conditions *c, opc_error *error) {
         code = gate_fail(v, i, 100, error);
     }
     curves_share(&v->curves);
+    curves_share(&v->leakage);
     roughness_moments_init(&m, &v->rough, &v->curves, v->host->context);
     opc_parallel(v->host->context, gates, rough_gate, both);
     roughness_moments_clear(&m);
@@ -376,7 +385,7 @@ static surrogate_error error_of(const conditions *c) {
       }
       for (int q = 0; q < CURRENTS; q++)
         log[q] = x[WIDTH] - (double)current[(size_t)q * n + i] +
-                 curves_at(&v->curves, i, q,
+                 curves_at(q ? &v->leakage : &v->curves, i, q,
                            v->gates->length[i] + x[q ? LENGTH_OFF : LENGTH]);
       error_add(&e, ERROR_ION, 100 * log[ION]);
       error_add(&e, ERROR_IOFF, log[IOFF] * M_LOG10E);
@@ -401,7 +410,8 @@ static int conditions_respond(conditions *c, opc_error *error) {
   size_t tests = plan[0].test, first = 0, last = plan[1].test, poly = 0;
   batch test = {1000, tests, 0, plan[1].test, TESTS_OF_IMAGE, STREAM_TEST, 1};
   batch fit = {20, plan[0].fit, 0, 0, POINTS_OF_IMAGE, STREAM_FIT, spread};
-  int code = active_images(c, 1000, 1, plan[1].test, error);
+  int code = measure_nominal(c, error);
+  if (!code) code = active_images(c, 1000, 1, plan[1].test, error);
   if (!code)
     code = batch_run(c, &test, &v->left_out, c->test, c->tested, c->currents,
                      error);
@@ -415,7 +425,6 @@ static int conditions_respond(conditions *c, opc_error *error) {
     if (!code)
       code = batch_run(c, &fit, &v->points, c->point, c->value, NULL, error);
     if (!code) code = points_check(c, error);
-    if (!code && !v->curves.kind) code = measure_nominal(c, error);
     poly += fit.images;
     if (!code)
       code =
@@ -478,7 +487,7 @@ int variation_respond(variation *v, opc_error *error) {
   size_t n = v->gates->count, points = plan[0].most * POINTS_OF_IMAGE;
   size_t tests = plan[0].test * TESTS_OF_IMAGE;
   int used[VARIABLES];
-  conditions c = {.v = v, .low = INFINITY};
+  conditions c = {.v = v};
   for (int i = 0; i < VARIABLES; i++) used[i] = v->sigma[i] > 0;
   surrogate_init(&v->surrogate, used, n);
   c.active = eda_alloc(plan[1].most, sizeof *c.active);

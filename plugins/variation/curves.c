@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Currents of rectangular gates over length, from the extractor. */
+/* Currents over length, from the extractor, of rectangular gates or of gates
+   with the printed shape. */
 #include <eda/check.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -33,11 +34,16 @@ void curves_clear(curves *c) {
   *c = (curves){0};
 }
 
-/* Extract one copy of a gate for each length of the curve; all slices of a copy
-   have that length. */
-static int fill_gate(const curves *c, const opc_context *context,
-                     const opc_module *extractor, const eda_slices *in,
-                     size_t gate, eda_performance *out, opc_error *error) {
+/* Least length of a slice, nm. */
+static const double least_slice = 1;
+
+/* Extract one copy of a gate for each length of the curve. All slices of a copy
+   have that length, or are as much longer than in `in` as the length exceeds
+   `drawn`. */
+static int fill_gate(const curves *c, const double *drawn,
+                     const opc_context *context, const opc_module *extractor,
+                     const eda_slices *in, size_t gate, eda_performance *out,
+                     opc_error *error) {
   size_t n = in->slices, first = gate * n;
   double *all = eda_alloc(3 * c->count * n, sizeof *all), *width = all,
          *edge = width + c->count * n, *length = edge + c->count * n;
@@ -48,8 +54,11 @@ static int fill_gate(const curves *c, const opc_context *context,
     if (in->flavour) flavour[k] = in->flavour[gate];
     memcpy(width + k * n, in->width + first, n * sizeof *width);
     memcpy(edge + k * n, in->edge + first, n * sizeof *edge);
-    for (size_t s = 0; s < n; s++)
-      length[k * n + s] = c->first + (double)k * c->step;
+    for (size_t s = 0; s < n; s++) {
+      double shape = drawn ? in->length[first + s] - *drawn : 0;
+      length[k * n + s] =
+          fmax(least_slice, shape + c->first + (double)k * c->step);
+    }
   }
   const eda_slices some = {.count = c->count,
                            .slices = n,
@@ -68,13 +77,14 @@ static int fill_gate(const curves *c, const opc_context *context,
 int curves_fill(curves *c, const opc_context *context,
                 const opc_module *extractor, size_t first, const eda_slices *in,
                 const eda_performance *drawn, const double *width,
-                opc_error *error) {
+                const double *length, opc_error *error) {
   eda_performance p;
   int code = OPC_OK;
   eda_performance_init(&p, c->count);
   for (size_t i = 0; i < in->count && !code; i++) {
     size_t gate = first + i;
-    code = fill_gate(c, context, extractor, in, i, &p, error);
+    code = fill_gate(c, length ? length + gate : NULL, context, extractor, in,
+                     i, &p, error);
     for (size_t k = 0; k < c->count && !code; k++) {
       double w = p.weq[k] / width[gate];
       size_t at = gate * c->count + k;
@@ -116,4 +126,15 @@ double curves_at(const curves *c, size_t gate, int current, double length) {
   size_t i = (size_t)t;
   return (double)value[i] +
          (t - (double)i) * ((double)value[i + 1] - (double)value[i]);
+}
+
+double curves_length(const curves *c, size_t gate, int current, double value) {
+  double low = c->first, high = low + c->step * (double)(c->count - 1);
+  for (int i = 0; i < 50; i++) {
+    double middle = (low + high) / 2;
+    int more = curves_at(c, gate, current, middle) > value;
+    low = more ? middle : low;
+    high = more ? high : middle;
+  }
+  return (low + high) / 2;
 }

@@ -394,22 +394,6 @@ typedef struct chip_row {
   double length, width, area, ion;
 } chip_row;
 
-/* Return the length at which the current equals that at `length` times
-   exp(change), by bisection of the falling curve. */
-static double length_with(const circuit *c, size_t gate, double length,
-                          double change) {
-  double low = c->curves->first, high = low;
-  high += c->curves->step * (double)(c->curves->count - 1);
-  double want = curves_at(c->curves, gate, ION, length) + change;
-  for (int i = 0; i < 50; i++) {
-    double middle = (low + high) / 2;
-    int more = curves_at(c->curves, gate, ION, middle) > want;
-    low = more ? middle : low;
-    high = more ? high : middle;
-  }
-  return (low + high) / 2;
-}
-
 static int put_chip(const variation *v, uint64_t chip, double *features,
                     chip_row *r, opc_error *error) {
   const eda_gates *g = v->gates;
@@ -423,7 +407,8 @@ static int put_chip(const variation *v, uint64_t chip, double *features,
       figure[k] = surrogate_at(c->surrogate, features, k, i);
     double length = g->length[i] + figure[LENGTH];
     double change = (double)c->edges[chip * g->count + i];
-    r[i].length = length_with(c, i, length, change);
+    r[i].length = curves_length(c->curves, i, ION,
+                                curves_at(c->curves, i, ION, length) + change);
     r[i].width = g->width[i] * exp(figure[WIDTH]);
     r[i].area = 100 * (v->design.area[i] * exp(figure[AREA]) /
                            (g->length[i] * g->width[i]) -

@@ -99,6 +99,7 @@ static void circuit_set(variation *v) {
   c->context = v->host->context;
   c->surrogate = &v->surrogate;
   c->curves = &v->curves;
+  c->leakage = &v->leakage;
   c->rough = v->effect;
   c->drawn_length = v->gates->length;
   c->drawn_width = v->gates->width;
@@ -329,6 +330,7 @@ static void variation_clear(void *self) {
   delay_model_clear(&v->delay_model);
   free(v->effect);
   curves_clear(&v->curves);
+  curves_clear(&v->leakage);
   free(v->nominal);
   free(v->neighbour);
   free(v->tile_of);

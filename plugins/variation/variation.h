@@ -34,10 +34,12 @@ static const double variation_range = 4;
 
 /* ---- surrogate.c ---- */
 
-/* Figures of a transistor, relative to drawn: equivalent lengths of Ion and
-   Ioff, nm, ln W and ln area. The currents follow from the lengths and W by
-   curves (below), because the lengths and W are smooth functions of the
-   variables, whereas Ioff is not. */
+/* Figures of a transistor, relative to drawn: equivalent length of Ion, and
+   change of all slices of the nominal image that results in Ioff, nm; ln W and
+   ln area. The currents follow from the lengths and W by curves (below),
+   because these figures are smooth functions of the variables. Ioff and its
+   equivalent length are not, because the shortest slices dominate Ioff where
+   its slope is steep. */
 enum { LENGTH, LENGTH_OFF, WIDTH, AREA, FIGURES };
 
 /* A polynomial in the scaled variables. Each variable is divided by the end of
@@ -76,9 +78,10 @@ double surrogate_at(const surrogate *s, const double *features, int figure,
 
 enum { ION, IOFF, CURRENTS };
 
-/* Currents of rectangular gates over length, on the lengths first + i * step,
-   i < count: ln of (current per W, over the drawn current per drawn W). Gates
-   with equal curves share one curve. */
+/* Currents over length, on the lengths first + i * step, i < count: ln of
+   (current per W, over the drawn current per drawn W). The gates are
+   rectangular, or have the nominal image, with all slices longer by length -
+   drawn length. Gates with equal curves share one curve. */
 typedef struct curves {
   double first, step;
   size_t count, gates, kinds;
@@ -91,12 +94,12 @@ void curves_init(curves *c, size_t gates, double low, double high);
 void curves_clear(curves *c);
 
 /* Compute the curves of the gates `first` to first + in->count - 1 from their
-   slices: `extractor` extracts gates with all slices of one length. `drawn`:
-   currents, `width`: drawn W, of all gates. [any] */
+   slices. `drawn`: currents, `width`: drawn W, of all gates. `length`: drawn
+   lengths, for curves of the nominal image; NULL: rectangular gates. [any] */
 int curves_fill(curves *c, const opc_context *context,
                 const opc_module *extractor, size_t first, const eda_slices *in,
                 const eda_performance *drawn, const double *width,
-                opc_error *error);
+                const double *length, opc_error *error);
 
 /* Replace equal curves by one shared curve. */
 void curves_share(curves *c);
@@ -104,6 +107,8 @@ void curves_share(curves *c);
 /* Return the value at a length, interpolated linearly; at the nearest end
    beyond the ends. */
 double curves_at(const curves *c, size_t gate, int current, double length);
+/* Return the length with this value, by bisection of the falling curve. */
+double curves_length(const curves *c, size_t gate, int current, double value);
 
 /* ---- roughness.c ---- */
 
@@ -164,7 +169,8 @@ void normal_pairs(uint64_t key, uint32_t first, float *a, float *b);
 typedef struct circuit {
   const opc_context *context;
   const surrogate *surrogate;
-  const curves *curves;
+  const curves *curves;                   /* of rectangular gates, for Ion */
+  const curves *leakage;                  /* of the nominal image, for Ioff */
   const roughness_effect *rough;          /* [gate * KNOTS + knot] */
   const double *drawn_length;             /* nm, [gates] */
   const double *drawn_width, *drawn_area; /* the same, nm and nm^2 */
@@ -310,8 +316,8 @@ typedef struct variation {
   eda_performance design;
   double sigma[VARIABLES]; /* total standard deviation, in its unit */
   surrogate surrogate;
-  curves curves;
-  surrogate_error error; /* on points that were left out */
+  curves curves, leakage; /* as in circuit */
+  surrogate_error error;  /* on points that were left out */
   size_t points, left_out, images[2];
   size_t open, failed, outside; /* measurements of transistors */
   const eda_delays *delays;     /* parameter */

@@ -110,7 +110,7 @@ static void surrogate_compare(const variation *v, uint32_t n) {
       double w = surrogate_at(s, features, WIDTH, i);
       double drawn = v->gates->length[i];
       double ion = curves_at(&v->curves, i, ION, drawn + l) + w;
-      double ioff = curves_at(&v->curves, i, IOFF, drawn + off) + w;
+      double ioff = curves_at(&v->leakage, i, IOFF, drawn + off) + w;
       double want = log(m.performance.ion[i] / v->design.ion[i]);
       rms[0] += pow(100 * (ion - want), 2);
       spread += pow(100 * want, 2);

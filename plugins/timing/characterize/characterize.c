@@ -260,6 +260,20 @@ static const opc_parameter parameters[] = {
                   .preset = "1", .min = 0, .summary = "seed of random samples"),
     OPC_PARAMETER(study, liberty, .type = OPC_OUTPUT, .preset = "cells.lib",
                   .summary = "Liberty file of the drawn cells"),
+    OPC_PARAMETER_NAMED("line_edges.sigma", study, rough.sigma,
+                        .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
+                        .preset = "0 nm", .min = 0,
+                        .summary = "standard deviation of a line edge of poly; "
+                                   "above 0, the Liberty file has standard "
+                                   "deviations (LVF)"),
+    OPC_PARAMETER_NAMED("line_edges.length", study, rough.length,
+                        .type = OPC_REAL, .flags = OPC_ABOVE, .unit = "nm",
+                        .preset = "25 nm", .min = 0,
+                        .summary = "correlation length of a line edge"),
+    OPC_PARAMETER_NAMED("line_edges.hurst", study, rough.hurst,
+                        .type = OPC_REAL, .flags = OPC_ABOVE | OPC_AT_MOST,
+                        .preset = "0.5", .min = 0, .max = 1,
+                        .summary = "Hurst exponent of a line edge"),
     TIMING_TIME_LIMIT(study),
 };
 

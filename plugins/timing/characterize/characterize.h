@@ -29,6 +29,13 @@ typedef struct circuit {
   double times;
 } circuit;
 
+/* Line edges of transistors: standard deviation of an edge (nm), correlation
+   length (nm) and Hurst exponent. The covariance of an edge at a distance r is
+   sigma^2 exp(-(r / length)^(2 hurst)). */
+typedef struct line_edges {
+  double sigma, length, hurst;
+} line_edges;
+
 typedef struct study {
   const opc_host *host;
 
@@ -45,6 +52,7 @@ typedef struct study {
   opc_reals slews, loads, edges;
   int64_t checks, seed;
   const char *liberty;
+  line_edges rough; /* sigma 0: no standard deviations */
   double limit;
 
   /* State of a run. */
@@ -163,6 +171,15 @@ int keep_load(const study *s, const char *key, double *figure, size_t figures);
 /* Store values with a key, if the host keeps results. */
 void keep_save(const study *s, const char *key, const double *figure,
                size_t figures);
+
+/* ---- sigma.c ---- */
+
+/* Return the standard deviation of ln of the mean length of a transistor. */
+double edges_sigma(const line_edges *e, double length, double width);
+/* Compute the standard deviations of delay and slew of an arc, s, at the grid,
+   [slew * loads + load]. The transistors of a cell are independent. */
+void arc_sigma(const line_edges *e, const eda_timing_cell *c,
+               const eda_timing_arc *a, double *delay, double *slew);
 
 /* ---- liberty.c ---- */
 

@@ -452,6 +452,107 @@ static void test_unkept(void) {
   g_assert_cmpint(g_chdir(before), ==, 0);
 }
 
+/* ---- standard deviations by line edges ---- */
+
+static const double w_of[2] = {400, 600};
+
+/* Write an inverter with the given lengths of n and p, nm, and run the step. */
+static eda_timing *inverter_run(double n, double p, const char *more) {
+  g_autofree char *file = g_build_filename(opc_test_folder(), "i.sp", NULL);
+  g_autofree char *text = g_strdup_printf(
+      ".subckt inv A Z VDD VSS\nM1 Z A VSS VSS nmos w=%gn l=%.6fn\n"
+      "M2 Z A VDD VDD pmos w=%gn l=%.6fn\n.ends\n",
+      w_of[0], n, w_of[1], p);
+  g_assert_true(g_file_set_contents(file, text, -1, NULL));
+  g_autofree char *words = g_strdup_printf(GRID "%s", more);
+  return run_well(file, words);
+}
+
+/* Return value number k of the first table `name` of the Liberty file, s. */
+static double liberty_value(const char *text, const char *name, size_t k) {
+  const char *at = strstr(text, name);
+  if (!at) g_error("the Liberty file has no table '%s'", name);
+  at = strchr(strstr(at, "values ("), '"') + 1;
+  for (size_t i = 0; i < k; i++) {
+    at += strcspn(at, ",") + 1;
+    at += strspn(at, " \\\n\"");
+  }
+  return atof(at) * 1e-9;
+}
+
+/* Read the Liberty file with OpenSTA; no warnings are expected. */
+static void liberty_read(const char *path) {
+  g_autofree char *there = g_find_program_in_path("sta");
+  if (!there) {
+    g_test_message("not read by OpenSTA: sta is not installed");
+    return;
+  }
+  g_autofree char *script = g_build_filename(opc_test_folder(), "s.tcl", NULL);
+  g_autofree char *text = g_strdup_printf(
+      "read_liberty %s\nputs \"cell [get_property [get_lib_cells */inv] "
+      "name]\"\nexit\n",
+      path);
+  g_assert_true(g_file_set_contents(script, text, -1, NULL));
+  const char *const argv[] = {"sta", "-no_splash", "-exit", script, NULL};
+  g_autofree char *out = NULL;
+  g_autofree char *words = NULL;
+  g_assert_true(g_spawn_sync(NULL, (char **)argv, NULL, G_SPAWN_SEARCH_PATH,
+                             NULL, NULL, &out, &words, NULL, NULL));
+  if (!strstr(out, "cell inv") || strstr(out, "Warning") ||
+      strstr(out, "Error") || strstr(words, "Warning") ||
+      strstr(words, "Error"))
+    g_error("OpenSTA: %s %s", out, words);
+}
+
+/* Compare the standard deviations in the Liberty file with the differences of
+   delays of inverters with other lengths, times the standard deviation of the
+   mean length. For an exponential covariance, the variance of the mean over the
+   width w is 2 sigma^2 2 (w l - l^2 (1 - exp(-w / l))) / w^2. */
+static void test_line_edges(void) {
+  const double step = 0.65, l = 25, sigma = 1.3;
+  eda_timing *at = inverter_run(65, 65, ", line_edges.sigma: 1.3 nm");
+  g_autofree char *path =
+      g_build_filename(opc_test_folder(), "cells.lib", NULL);
+  g_autofree char *text = NULL;
+  g_assert_true(g_file_get_contents(path, &text, NULL, NULL));
+  liberty_read(path);
+  eda_timing *n = inverter_run(65 + step, 65, "");
+  eda_timing *p = inverter_run(65, 65 + step, "");
+  int points = 0;
+  for (uint32_t from = 0; from < 2; from++) {
+    const char *names[2] = {"ocv_sigma_cell_rise", "ocv_sigma_rise_transition"};
+    if (!from) { /* the input rises */
+      names[0] = "ocv_sigma_cell_fall";
+      names[1] = "ocv_sigma_fall_transition";
+    }
+    for (size_t k = 0; k < 9; k++) {
+      double variance[2] = {0};
+      for (int d = 0; d < 2; d++) {
+        const eda_timing_arc *a = arc(&at->cell[0], 0, from);
+        const eda_timing_arc *b = arc(&(d ? p : n)->cell[0], 0, from);
+        double w = w_of[d],
+               share = 2 * (w * l - l * l * (1 - exp(-w / l))) / (w * w);
+        double each = 2 * sigma * sigma * share / (step * step);
+        variance[0] += each * pow(b->delay[k] - a->delay[k], 2);
+        variance[1] += each * pow(b->slew[k] - a->slew[k], 2);
+      }
+      /* The changes are a plane through three of these points. */
+      const eda_timing_cell *c = &at->cell[0];
+      size_t i = k / c->loads == c->near_slew[1],
+             j = k % c->loads == c->near_load[1];
+      int simulated = (i || k / c->loads == c->near_slew[0]) &&
+                      (j || k % c->loads == c->near_load[0]) && i + j < 2;
+      points += simulated;
+      for (int q = 0; q < 2 && simulated; q++)
+        close_to(liberty_value(text, names[q], k), sqrt(variance[q]), 0.04);
+    }
+  }
+  g_assert_cmpint(points, ==, 6);
+  eda_timing_free(at);
+  eda_timing_free(n);
+  eda_timing_free(p);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/characterize/logic", test_logic);
@@ -461,5 +562,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/characterize/off", test_off);
   g_test_add_func("/characterize/kept", test_kept);
   g_test_add_func("/characterize/unkept", test_unkept);
+  g_test_add_func("/characterize/line_edges", test_line_edges);
   return g_test_run();
 }

@@ -3,6 +3,7 @@
    static timing analyzers: times in ns, capacitances in fF. */
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "characterize.h"
@@ -15,9 +16,10 @@ static void put_list(FILE *out, const char *key, const double *value, size_t n,
   fputs("\");\n", out);
 }
 
+/* `more`: a further attribute, or "". */
 static void put_table(FILE *out, const eda_timing_cell *c, const char *name,
-                      const double *value) {
-  fprintf(out, "      %s (grid) {\n", name);
+                      const char *more, const double *value) {
+  fprintf(out, "      %s (grid) {\n%s", name, more);
   put_list(out, "index_1", c->at_slew, c->slews, 1e9);
   put_list(out, "index_2", c->at_load, c->loads, 1e15);
   fputs("        values (", out);
@@ -60,10 +62,26 @@ static const eda_timing_arc *arc_at(const eda_timing_cell *c, size_t o,
   return k < 0 ? NULL : &c->arc[k];
 }
 
+/* Write the standard deviations of delay and slew of an arc (Liberty Variation
+   Format), equal for early and late delays. */
+static void put_sigma(FILE *out, const study *s, const eda_timing_cell *c,
+                      const eda_timing_arc *a) {
+  static const char *const names[2][2] = {
+      {"ocv_sigma_cell_fall", "ocv_sigma_fall_transition"},
+      {"ocv_sigma_cell_rise", "ocv_sigma_rise_transition"}};
+  static const char type[] = "        sigma_type : early_and_late;\n";
+  double *delay = eda_alloc(2 * c->slews * c->loads, sizeof *delay);
+  double *slew = delay + c->slews * c->loads;
+  arc_sigma(&s->rough, c, a, delay, slew);
+  put_table(out, c, names[a->rises][0], type, delay);
+  put_table(out, c, names[a->rises][1], type, slew);
+  free(delay);
+}
+
 /* Write the arcs from both directions of input i to output o, for one pattern
    of the other inputs. */
-static void put_timing(FILE *out, const eda_timing_cell *c, size_t o, size_t i,
-                       uint32_t low) {
+static void put_timing(FILE *out, const study *s, const eda_timing_cell *c,
+                       size_t o, size_t i, uint32_t low) {
   const eda_timing_arc *a = arc_at(c, o, i, low);
   if (!a) return;
   const eda_timing_arc *b = arc_at(c, o, i, low | (uint32_t)1 << i);
@@ -77,14 +95,18 @@ static void put_timing(FILE *out, const eda_timing_cell *c, size_t o, size_t i,
     put_pattern(out, c, low, i);
     fputs("\";\n", out);
   }
-  put_table(out, c, "cell_rise", rise->delay);
-  put_table(out, c, "cell_fall", fall->delay);
-  put_table(out, c, "rise_transition", rise->slew);
-  put_table(out, c, "fall_transition", fall->slew);
+  put_table(out, c, "cell_rise", "", rise->delay);
+  put_table(out, c, "cell_fall", "", fall->delay);
+  put_table(out, c, "rise_transition", "", rise->slew);
+  put_table(out, c, "fall_transition", "", fall->slew);
+  if (s->rough.sigma > 0) {
+    put_sigma(out, s, c, rise);
+    put_sigma(out, s, c, fall);
+  }
   fputs("    }\n", out);
 }
 
-static void put_cell(FILE *out, const eda_timing_cell *c) {
+static void put_cell(FILE *out, const study *s, const eda_timing_cell *c) {
   fprintf(out, "  cell (%s) {\n", c->name);
   for (size_t i = 0; i < c->inputs; i++) {
     const double *cap = c->capacitance + i * 2 * EDA_CAPS;
@@ -102,7 +124,7 @@ static void put_cell(FILE *out, const eda_timing_cell *c) {
     put_function(out, c, o);
     for (size_t i = 0; i < c->inputs; i++)
       for (uint32_t from = 0; from >> c->inputs == 0; from++)
-        if (!(from >> i & 1)) put_timing(out, c, o, i, from);
+        if (!(from >> i & 1)) put_timing(out, s, c, o, i, from);
     fputs("  }\n", out);
   }
   fputs("  }\n", out);
@@ -136,7 +158,7 @@ static void put_library(FILE *out, const study *s) {
   put_list(out, "index_2", s->loads.values, s->loads.count, 1e15);
   fputs("  }\n", out);
   for (size_t i = 0; i < t->count; i++)
-    if (!t->cell[i].trouble) put_cell(out, &t->cell[i]);
+    if (!t->cell[i].trouble) put_cell(out, s, &t->cell[i]);
   fputs("}\n", out);
 }
 
