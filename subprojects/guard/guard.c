@@ -306,8 +306,7 @@ static int has_child(siginfo_t *info, int keep) {
 }
 
 /* Record the plugin after whose call a child exists. Programs that a plugin
-   uses only during a call have ended when the call returns.
- */
+   uses only during a call have ended when the call returns. */
 static void parent_note(const char *id) {
   siginfo_t info;
   if (listener || had_child) return;

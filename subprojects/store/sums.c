@@ -123,8 +123,8 @@ static gboolean read_attributes(const char *path, struct stat *about,
   if (file < 0) return FALSE;
   gboolean flushed = !sync_file_range(file, 0, 0, FLUSH);
   gboolean good = !fstat(file, about);
-  /* Mappings end with the system: a file that did not change since the start
-     has no mapping with older writes. */
+  /* A restart of the system ends all mappings. A file that did not change since
+     then has no mapping with older writes. */
   *timed = good && (nanoseconds(&about->st_ctim) < boot_time() - step ||
                     (flushed && has_times_of_mappings(file)));
   close(file);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Matches the devices and gates of a group by connectivity, then by size,
-   labels of inner nets, and place, and finally by order. */
+/* Matches the devices and gates of a group, a subcircuit and its part of the
+   layout. The criteria are connectivity, then size, labels of inner nets, and
+   place, and finally order. */
 #include <math.h>
 #include <stdlib.h>
 

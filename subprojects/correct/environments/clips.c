@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the dissection of a window's mask. The mask is fractured into
-   rectangles once, and each territory takes the rectangles within its box. An
-   overlap of two territories belongs to the territory placed first. */
+/* Implements the dissection of a window's mask into territories, the boxes
+   around placed cells. The mask is fractured into rectangles once, and each
+   territory takes the rectangles within its box. An overlap of two territories
+   belongs to the territory placed first. */
 #include "clips.h"
 
 #include <eda/formats.h>

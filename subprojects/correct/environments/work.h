@@ -81,7 +81,7 @@ struct division {
   size_t classes, mask_capacity, part_capacity, box_capacity;
   drawn_print *before; /* [masks], figures with all edges as drawn */
   alone *alone;        /* [masks], NULL without cells */
-  uint32_t *kind;      /* [classes] */
+  uint32_t *kind;      /* [classes], cells_kind of the representative */
 
   /* Classes of equal masked environments, called prints. */
   class_result *print;   /* [chip->prints] */

@@ -19,8 +19,8 @@ static const eda_csv_column columns[COLUMNS] = {{"transistor", NULL, 0},
 
 /* ---- values ---- */
 
-/* Bounds of targets: 1 / most_of to most_of. The bounds
-   of Ioff are wider, because Ioff doubles every 2 to 3 nm of length. */
+/* Bounds of targets: 1 / most_of to most_of. The bounds of Ioff are wider,
+   because Ioff doubles every 2 to 3 nm of length. */
 static const double most_of[EDA_GOAL_TARGETS] = {
     [EDA_GOAL_ION] = 10, [EDA_GOAL_IOFF] = 1000, [EDA_GOAL_AREA] = 10};
 static const char *const target_words[EDA_GOAL_TARGETS] = {

@@ -43,8 +43,8 @@ static const char **words_names(eda_netlist *n, const word *w, size_t count) {
 
 /* ---- elements ---- */
 
-/* The first of these that names a type decides: the lists n_models and p_models
-   of the caller, the .model cards, known parts of names, the first letter. */
+/* Find the type in the lists n_models and p_models of the caller, else in the
+   .model cards, else by known parts of the name, else by its first letter. */
 int netlist_type(const eda_netlist *n, const char *model) {
   static const struct {
     const char *part;

@@ -18,7 +18,8 @@ typedef struct sites {
 OPC_EXPORT void correct_sites_init(sites *sites, const eda_cuts *cuts);
 /* Free the arrays. */
 OPC_EXPORT void correct_sites_clear(sites *sites);
-/* Measure the edge placement errors from a level set, in parallel. */
+/* Measure the edge placement errors from a level set, in parallel. `scanner`
+   determines how far from a site the edge is searched. */
 OPC_EXPORT void correct_sites_measure(const opc_context *context,
                                       const sites *sites,
                                       const eda_field *print,
