@@ -11,7 +11,8 @@ typedef struct opc_sheet {
   gboolean *left;       /* [n], TRUE for left-aligned texts, FALSE for
                            numbers */
   GPtrArray *cells;     /* char *, row by row; the first row is the head */
-  size_t rows, *widths; /* set by the functions below */
+  size_t rows, *widths; /* number of rows with the head, and widths of the
+                           columns; set by the functions below */
 } opc_sheet;
 
 /* Return an empty table; the caller fills `left` and `cells`. [any] */

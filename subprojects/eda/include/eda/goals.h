@@ -22,8 +22,8 @@ OPC_EXPORT const char *eda_goal_fault(const eda_goal *goal);
 /* Read the CSV file `path` into out[gates->count]. Values of transistors and
    columns that the file does not name stay unchanged. The first line names the
    columns: transistor (OWNER:NUMBER, as in gates.csv), and any of weight, ion,
-   ioff, area.
-   Errors name the parameter "wishes", the line and the column. [any] */
+   ioff, area. Return OPC_OK, or an error code and *error with the parameter
+   "wishes", the line and the column. [any] */
 OPC_EXPORT int eda_goals_read(const char *path, const eda_gates *gates,
                               eda_goal *out, opc_error *error);
 

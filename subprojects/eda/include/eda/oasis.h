@@ -96,6 +96,7 @@ OPC_EXPORT void eda_oasis_sint(eda_oasis *out, int64_t v);
 OPC_EXPORT void eda_oasis_real(eda_oasis *out, double v);
 /* Write a displacement in any direction (OASIS g-delta). */
 OPC_EXPORT void eda_oasis_delta(eda_oasis *out, int64_t x, int64_t y);
+/* Write a string: its length, then its bytes. */
 OPC_EXPORT void eda_oasis_string(eda_oasis *out, const char *text);
 
 /* End a record and start a new block if the current one is long enough. */
@@ -105,7 +106,8 @@ OPC_EXPORT void eda_oasis_end_record(eda_oasis *out);
 OPC_EXPORT void eda_oasis_end_block(eda_oasis *out);
 OPC_EXPORT void eda_oasis_end_plain(eda_oasis *out);
 
-/* Collect a polygon of a cell. The shapes of a layer must be consecutive. */
+/* Collect a polygon of a cell. Pass all polygons of one layer before those of
+   the next layer. */
 OPC_EXPORT void eda_oasis_polygon(eda_oasis *out, eda_layer_number layer,
                                   const eda_point *points, size_t n);
 /* Write the collected shapes. Call this before any other record of the cell. */

@@ -17,12 +17,13 @@ typedef struct opc_store opc_store;
    OPCFLOW_STORE_LIMIT or `opcflow cache limit` sets another limit. */
 #define OPC_STORE_LIMIT G_GUINT64_CONSTANT(2000000000)
 
-/* Return the store in OPCFLOW_STORE or, if unset, in opcflow in the cache
-   folder of the user ($XDG_CACHE_HOME, ~/.cache). Return NULL if OPCFLOW_STORE
-   is the empty text. Return NULL and fill *error: OPC_IO if the folder cannot
-   be created; OPC_INVALID if the cache folder is relative, if OPCFLOW_STORE
-   names a folder with files but without the marker `opcflow-store`, or if a
-   subfolder is a symbolic link. A read-only folder is accepted. */
+/* Return the store in the folder OPCFLOW_STORE or, if this variable is unset,
+   in the folder `opcflow` of the user's cache folder ($XDG_CACHE_HOME,
+   ~/.cache). Return NULL if OPCFLOW_STORE is the empty text. Return NULL and
+   fill *error: OPC_IO if the folder cannot be created; OPC_INVALID if the cache
+   folder is relative, if OPCFLOW_STORE names a folder with files but without
+   the marker `opcflow-store`, or if a subfolder is a symbolic link. A read-only
+   folder is accepted. */
 opc_store *opc_store_open(opc_error *error);
 /* Free the store, which may be NULL. If values were stored, first remove the
    least recently used values beyond the limit. */
