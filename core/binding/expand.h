@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Axes of layers (opcflow/inner.h): expands the value of a parameter with
-   OPC_INNER_AXIS (variants, maps with lists, patterns and files;
-   docs/reference/flow.md) into a list of layers. */
+/* Axes whose points are layers of changes to a flow (opcflow/inner.h): expands
+   the value of a parameter with OPC_INNER_AXIS (variants, maps with lists,
+   patterns and files; docs/reference/flow.md) into a list of layers. */
 #pragma once
 
 #include "core/binding/flow.h"

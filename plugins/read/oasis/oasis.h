@@ -204,6 +204,8 @@ double oasis_real_of(oasis *o, uint64_t type);
 /* Return `v` as a length; fail if `v` exceeds the range of coordinates. */
 int64_t oasis_length(oasis *o, int64_t v);
 int64_t oasis_size(oasis *o, uint64_t v);
+/* Read a displacement: along an axis (1-delta), in one of 4 (2-delta) or 8
+   directions (3-delta), in any direction (g-delta). */
 oasis_vector oasis_delta1(oasis *o, int horizontal);
 oasis_vector oasis_delta2(oasis *o);
 oasis_vector oasis_delta3(oasis *o);
@@ -230,14 +232,15 @@ void oasis_read(void *o);
 /* Read a list of points (`closed`: of a polygon); read a repetition. */
 void oasis_read_points(oasis *o, oasis_points *points, int closed);
 void oasis_read_repetition(oasis *o);
-/* Return the number of members of an element; 1 unless `repeated`. */
+/* Return the number of members of an element, 1 unless `repeated`; return the
+   displacement of member i. */
 uint64_t oasis_members(const oasis *o, int repeated);
 oasis_vector oasis_member(const oasis *o, int repeated, uint64_t i);
 
 /* ---- shapes.c, elements.c ---- */
 
-/* Read the record of the name after its record number, and add its elements to
-   the layout. */
+/* Read the rest of a record, whose number has been read, and add its elements
+   to the layout. The functions are named by the kind of the record. */
 void oasis_read_rectangle(oasis *o);
 void oasis_read_polygon(oasis *o);
 void oasis_read_path(oasis *o);

@@ -166,7 +166,8 @@ void faults_free(faults *faults);
 int faults_find(const work *work, const sheet *sheet,
                 const eda_printed *printed, opc_bytes *out, opc_error *error);
 /* Store the violations that faults_find wrote to the bytes from `bytes` to
-   `end`. `first`: number of the print of place 0 on the sheet. */
+   `end`. A violation contains the place of its transistor, its number among
+   the transistors of the sheet; `first`: the print of place 0. */
 void faults_take(work *work, size_t first, const char *bytes, const char *end);
 /* Change the numbers of prints to number[print]; drop the violations of those
    with UINT32_MAX. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Flattening of layers that are expressions of other layers. */
+/* Flattening of derived layers: layers that are expressions of other layers. */
 #pragma once
 
 #include "layout/layout.h"
