@@ -74,7 +74,7 @@ opc_flow *opc_flow_make(const opc_recipe *recipe, const opc_choice *choice,
                         opc_registry *registry, opc_problems *problems);
 
 /* Read a flow file and build the flow, without variant and sweep. Returns NULL
-   if the file cannot be read. */
+   if the file cannot be read. Free the flow with opc_flow_free. */
 opc_flow *opc_flow_load(const char *path, const char *const *sets,
                         opc_registry *registry, opc_problems *problems);
 void opc_flow_free(opc_flow *flow);

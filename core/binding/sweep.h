@@ -33,7 +33,7 @@ typedef struct opc_sweep {
 opc_sweep *opc_sweep_new(const opc_recipe *recipe, const char *const *sets,
                          const opc_node *over, const char *const *sweeps,
                          opc_problems *problems);
-/* Return a sweep without axes. */
+/* Return a sweep without axes; free a sweep (NULL: do nothing). */
 opc_sweep *opc_sweep_none(void);
 void opc_sweep_free(opc_sweep *sweep);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_sweep, opc_sweep_free)

@@ -19,7 +19,7 @@ typedef struct cli_progress {
 } cli_progress;
 
 /* Initialize. `steps`: report steps and progress; `shown` stays FALSE if
-   standard error is no terminal. */
+   standard error is no terminal. cli_progress_end: remove the status line. */
 void cli_progress_start(cli_progress *progress, int level, gboolean steps);
 void cli_progress_end(cli_progress *progress);
 

@@ -12,11 +12,11 @@
 #define OPC_KIND_KIND "kind"
 #define OPC_KIND_LOADER "loader"
 
-/* Return the number of outputs of a step plugin; 0 for other kinds. */
+/* Return the number of outputs of a plugin, 0 if it is no step; output i. */
 size_t opc_port_count(const opc_plugin *plugin);
 const opc_port *opc_port_at(const opc_plugin *plugin, size_t i);
 
-/* Return the index of a parameter by name, -1 if missing. */
+/* Return the index of a parameter by name, or -1; a metric by name, or NULL. */
 int opc_parameter_find(const opc_plugin *plugin, const char *name);
 const opc_metric *opc_metric_find(const opc_plugin *plugin, const char *name);
 /* Return the metric `name` that the plugin declares. NULL and *error if the

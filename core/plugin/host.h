@@ -26,9 +26,10 @@ opc_host *opc_host_new(const char *path, const opc_watch *watch,
                        const opc_host *like);
 /* Detach the host from the watch, which receives nothing more. */
 void opc_host_ignore(opc_host *host);
+/* Free the host. */
 void opc_host_free(opc_host *host);
 
 /* Set the number of threads of opc_host.parallel; 0 for one per processor. Call
-   before the first parallel call. */
+   before the first parallel call. opc_threads: return the number. */
 void opc_set_threads(unsigned n);
 unsigned opc_threads(void);

@@ -31,7 +31,7 @@ typedef struct opc_outcome {
                              OPC_FAILED */
 } opc_outcome;
 
-/* Initialize the outcome of a run of `steps` steps that starts now. */
+/* Initialize the outcome of a run of `steps` steps that starts now; free it. */
 void opc_outcome_init(opc_outcome *outcome, guint steps);
 void opc_outcome_clear(opc_outcome *outcome);
 

@@ -20,7 +20,7 @@ int opc_call_check(const opc_run *run, const opc_flow_step *step,
 int opc_call_forecast(const opc_run *run, const opc_flow_step *step,
                       opc_forecast *out, opc_error *error);
 
-/* Run a step, or make its stand-ins (`sketch`), and check the outputs, which
+/* Run a step, or make substitutes (`sketch`), and check the outputs, which
    `run` then owns. Returns OPC_OK or a code and *error. */
 int opc_call_run(opc_run *run, const opc_flow_step *step, gboolean sketch,
                  opc_error *error);

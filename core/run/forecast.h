@@ -12,8 +12,8 @@ typedef struct opc_outlook {
 
 /* Build the flow and add to `outlooks` the forecasts (opc_outlook) of all steps
    whose inputs can be made: light steps run (OPC_STEP_LIGHT), other steps make
-   stand-ins of their outputs (opc_step.sketch). Adds problems as opc_flow_check
-   does. */
+   substitutes of their outputs (opc_step.sketch). Adds problems as
+   opc_flow_check does. */
 void opc_run_forecast(const opc_recipe *recipe, const opc_choice *choice,
                       opc_registry *registry, const opc_watch *watch,
                       GArray *outlooks, opc_problems *problems);

@@ -18,6 +18,6 @@ typedef struct opc_points {
 void opc_points_begin(opc_points *points, opc_run *trunk,
                       const opc_choice *choice);
 
-/* Run all points, after the steps of the trunk. */
+/* Run all points, after the steps of the trunk; free the levels. */
 void opc_points_run(opc_points *points, opc_problems *problems);
 void opc_points_clear(opc_points *points);

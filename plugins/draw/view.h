@@ -70,7 +70,8 @@ void view_add_scale_bar(const view *v, eda_legend *legend);
 
 /* ---- shapes.c: content of the window ---- */
 
-/* Return the position on the paper, pixels, of a layout coordinate, nm. */
+/* Return the position on the paper, pixels, of the layout coordinate x or y,
+   nm. */
 double view_x(const view *v, double x);
 double view_y(const view *v, double y);
 
@@ -90,7 +91,7 @@ double view_contour_width(const view *v);
    to this box look unclipped; coordinates stay within cairo's range. */
 eda_box view_clip(const view *v);
 
-/* Draw merged shapes in a colour. */
+/* Fill merged shapes with a colour; draw their outlines in a colour. */
 int view_fill(const view *v, const eda_shapes *shapes, eda_colour colour,
               opc_error *error);
 int view_outline(const view *v, const eda_shapes *shapes, eda_colour colour,
@@ -108,6 +109,7 @@ typedef struct view_contours {
    view_clear_contours, also after an error. [any] */
 int view_find_contours(const view *v, const eda_field *print,
                        view_contours *out, opc_error *error);
+/* Draw the contours; free the arrays. */
 void view_draw_contours(const view *v, const view_contours *contours,
                         eda_colour colour);
 void view_clear_contours(view_contours *contours);

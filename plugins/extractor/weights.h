@@ -23,6 +23,7 @@ typedef struct weights {
    widths and edges. Return OPC_OK or an error that names `parameter`. */
 int weights_read(const char *path, const char *parameter, weights *out,
                  opc_error *error);
+/* Free the tables. */
 void weights_clear(weights *w);
 
 /* Return gamma at a distance of `edge` nm from the edge of a transistor `width`

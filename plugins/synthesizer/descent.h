@@ -30,6 +30,7 @@ typedef struct descent {
 /* Reset the state for `count` gates. Set rules, error, first and self before
    the call. */
 void descent_reset(descent *d, size_t count);
+/* Free the arrays. */
 void descent_clear(descent *d);
 
 /* Numbers of displaced lengths and widths in an iteration. */

@@ -50,7 +50,8 @@ typedef struct transistor_row {
    the part after the last dot, or by a pattern with * and ?. */
 int is_chosen(const char *list, const char *metric);
 
-/* Fill c->rows. Returns OPC_INVALID if a word selects no metric. */
+/* Fill c->rows, OPC_INVALID if a word selects no metric; publish the table of
+   the metrics. Return the status. */
 int metrics_collect(comparison *c, opc_error *error);
 int metrics_publish(comparison *c, opc_error *error);
 

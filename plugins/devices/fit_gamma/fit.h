@@ -32,6 +32,7 @@ typedef struct reference {
    error. */
 int reference_read(const char *path, const eda_curves *table, double from,
                    double to, reference *out, opc_error *error);
+/* Free the transistors. */
 void reference_clear(reference *r);
 
 /* ---- fit.c ---- */

@@ -26,4 +26,5 @@ typedef struct kernel_set {
    or OPC_IO. */
 int kernel_set_read(const char *path, size_t most, kernel_set *out,
                     opc_error *error);
+/* Free the kernels. */
 void kernel_set_clear(kernel_set *set);

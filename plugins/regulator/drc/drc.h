@@ -172,8 +172,10 @@ typedef struct violations {
 /* Return the box with two opposite corners. */
 eda_box box_between(eda_point a, eda_point b);
 
-/* Take ownership of `box`; build the index. `nm`: typical search distance. */
+/* Take ownership of `box`; build the index. `nm`: typical distance of a search
+   by position. */
 void places_init(places *p, eda_box *box, size_t n, double nm, double grid);
+/* Free the boxes and the index. */
 void places_clear(places *p);
 
 /* Return all edges of the shapes in the order of their points. The caller frees
@@ -206,6 +208,7 @@ int32_t mask_spacing(drc *r, const eda_printed *p, eda_box edge, int side,
    Store the measurement in `r`. */
 int32_t rules_advance(response *r, int32_t bias, double value, double target,
                       double steep, double grid);
+/* Append a violation to the list. */
 void violations_add(violations *l, eda_violation v);
 
 /* ---- sites.c: sites at which the image is checked ---- */

@@ -20,6 +20,7 @@ typedef struct first_table {
 /* Read a CSV file into `out`. Return OPC_OK, or an error that states line and
    column. */
 int first_table_read(const char *path, first_table *out, opc_error *error);
+/* Free the rows. */
 void first_table_clear(first_table *table);
 
 /* Return the first correction, nm, of the row with the nearest length and,

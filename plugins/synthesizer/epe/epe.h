@@ -122,6 +122,7 @@ typedef struct epe_layer {
 /* Dissect the drawn shapes of layer `which` into fragments with sites and
    owners (cut.c). */
 void epe_cut(epe_layer *layer, const eda_gates *gates, int which);
+/* Free the arrays of a layer. */
 void epe_clear(epe_layer *layer);
 
 /* Place assist features and limit the shifts of fragments beside them

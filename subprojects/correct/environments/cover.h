@@ -23,4 +23,5 @@ typedef struct cover {
    on the arguments only. Callable from any thread. */
 void cover_make(const eda_box *places, size_t n, int32_t reach, int32_t most,
                 cover *out);
+/* Free the arrays. */
 void cover_clear(cover *cover);

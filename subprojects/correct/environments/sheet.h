@@ -19,6 +19,7 @@ typedef struct pages {
    `most` by `most` grid steps. Clips are `gap` grid steps apart. Callable from
    any thread. */
 void pages_make(const cover *cover, int32_t most, int32_t gap, pages *out);
+/* Free the arrays. */
 void pages_clear(pages *pages);
 
 /* A sheet. */
@@ -35,6 +36,7 @@ typedef struct sheet {
 int sheet_make(const opc_context *context, const eda_chip *chip,
                const cover *from, const uint32_t *number, const pages *to,
                size_t page, int32_t rim, sheet *out, opc_error *error);
+/* Free the gates and the arrays of a sheet. */
 void sheet_clear(sheet *sheet);
 
 /* Make the mask of a sheet without figures. The caller frees *out, also after

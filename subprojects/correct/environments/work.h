@@ -160,6 +160,7 @@ GHashTable *work_sums(void);
 /* Create a collection of rule violations. Each violation belongs to the nearest
    transistor. (faults.c) */
 faults *faults_new(void);
+/* Free the collection. */
 void faults_free(faults *faults);
 /* Append the violations of a sheet's mask and printed image to `out`. Call on
    the main thread. */

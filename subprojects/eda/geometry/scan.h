@@ -46,6 +46,7 @@ typedef struct eda_rankset {
 
 /* Initialise an empty set of numbers below n; n < EDA_NO_RANK. */
 void eda_rankset_init(eda_rankset *set, uint32_t n);
+/* Free the set; return whether r is in it; add r; remove r. */
 void eda_rankset_clear(eda_rankset *set);
 int eda_rankset_has(const eda_rankset *set, uint32_t r);
 void eda_rankset_add(eda_rankset *set, uint32_t r);
