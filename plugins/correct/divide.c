@@ -180,7 +180,7 @@ static int is_accurate(const correct *c) {
   return c->with.fine > 0 && litho->image_fine;
 }
 
-/* Return the error of a layout without the layers of transistors. */
+/* Return OPC_OK, or an error if the layout lacks the layers of transistors. */
 static int divide_check_layers(const correct *c, int32_t top,
                                opc_error *error) {
   static const eda_box nowhere = {0, 0, 1, 1};

@@ -25,7 +25,7 @@ void contour_free(contour *c);
 /* Find n slices of a gate: centres (place) and widths, [n], as fractions of the
    gate's width. If `weight` is NULL, all weights are 1; `self` is the first
    argument of `weight`. `reach`: decay length of the edge current, nm. Return 0
-   if no slices preserve the sums. */
+   if no n slices preserve width, area and currents. */
 int contour_slice(const contour *c, const eda_curves *table, double reach,
                   contour_weight *weight, const void *self,
                   const eda_printed_gate *gate, size_t n, double *place,

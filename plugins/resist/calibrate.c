@@ -475,8 +475,8 @@ static double sum_of_squares(const fitting *f) {
 }
 
 /* Iterate Gauss-Newton steps. Halve a step if a line does not print or the
-   error increases. Return 0 if the lines do not all print with any tried
-   coefficients, or if the columns are linearly dependent. */
+   error increases. Return 0 if no tried coefficients print all lines, or if the
+   columns are linearly dependent. */
 static int fit_iterate(const fitting *f, double *a) {
   size_t rows = f->layer->count;
   double *j = eda_alloc(rows * (RESIST_TERMS + 1), sizeof *j);

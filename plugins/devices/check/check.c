@@ -53,8 +53,8 @@ static double width_of(const eda_devices *d, size_t k) {
   return k < d->narrow ? d->narrow_width[k] : d->width;
 }
 
-/* Return a rectangular transistor of both types for each width and length of
-   the reference. The caller frees the gates. */
+/* Return gates: for each width and length of the reference, a rectangular
+   n-transistor and p-transistor. The caller frees the gates. */
 static eda_gates *rectangles_new(const check *c) {
   const eda_devices *d = c->curves.devices;
   size_t lengths = 0, at = 0;

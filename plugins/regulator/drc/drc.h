@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Interfaces between the files of regulator.drc. Boxes and int32_t lengths are
-   in steps of the mask grid, lengths of type double in nm. */
+   in steps of the mask grid, lengths of type double in nm. The ruling is the
+   result of the regulator after each simulation (eda/regulator.h). */
 #pragma once
 
 #include <eda/index.h>
