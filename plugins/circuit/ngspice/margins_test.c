@@ -241,6 +241,26 @@ static void test_access(void) {
   assert_near("read", read, opc_test_metric("snm_right"), 1e-5);
 }
 
+/* A second port is off when the first one is read or written, and on for the
+   noise margin of a read. */
+static void test_ports(void) {
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autoptr(made) one = circuit_make(MEMORY_PORTS, MEMORY);
+  g_autoptr(made) two = circuit_make(MEMORY_PORTS " WL2:i BL2:o BLB2:o", MEMORY
+                                     ",MA3 Q WL2 BL2 VSS n 65 140,"
+                                     "MA4 QB WL2 BLB2 VSS n 65 140");
+  double of[2][10];
+  for (int k = 0; k < 2; k++) {
+    circuit_run(k ? two : one, 0, card, "measure: cell");
+    for (size_t i = 0; i < 10; i++)
+      of[k][i] = opc_test_number("cells", "value drawn", i);
+  }
+  for (size_t i = 4; i < 8; i++) assert_near("port", of[1][i], of[0][i], 2e-3);
+  for (size_t i = 2; i < 4; i++) g_assert_cmpfloat(of[1][i], <, 0.7 * of[0][i]);
+  for (size_t i = 8; i < 10; i++) g_assert_cmpfloat(of[1][i], >, of[0][i]);
+}
+
 /* Leakage has the printed L of the off current; a cell whose access transistor
    is too weak is not written. */
 static void test_printed_access(void) {
@@ -276,6 +296,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/circuit/cells", test_cells);
   g_test_add_func("/circuit/five-crossings", test_five_crossings);
   g_test_add_func("/circuit/access", test_access);
+  g_test_add_func("/circuit/ports", test_ports);
   g_test_add_func("/circuit/printed-access", test_printed_access);
   return g_test_run();
 }

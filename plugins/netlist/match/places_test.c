@@ -89,9 +89,72 @@ static void test_faults(void) {
           "has 2 fingers, but one place");
 }
 
+/* Return the number of devices of a memory cell, which all have gates in one
+   cell of the array. The nets of the cell end with `number`. */
+static size_t count_devices(const eda_circuit *c, const char *number,
+                            char **member) {
+  size_t devices = 0;
+  for (size_t i = 0; i < c->count; i++) {
+    if (!g_str_has_suffix(c->device[i].name, number)) continue;
+    const char *path = c->gates->instance[c->device[i].finger[0]];
+    g_autofree char *first = g_strndup(path, strcspn(path, "/"));
+    if (!*member) *member = g_strdup(first);
+    g_assert_cmpstr(first, ==, *member);
+    devices++;
+  }
+  return devices;
+}
+
+/* Test the netlist of a flow with an array of SkyWater's cells. The four cells
+   of the netlist are four cells of the array, one of each orientation, and have
+   all transistors. */
+static void check_array(const char *cell, const char *netlist, size_t devices) {
+  g_autofree char *name =
+      g_strdup_printf("sky130_sram/sky130_fd_bd_sram__sram_%s.gds", cell);
+  g_autofree char *path = find_data(name);
+  if (!path) return;
+  run r = read_layout(
+      "read.gds", path,
+      "layers: { poly: 66/20, contact: 66/44, nwell: 64/20, core: 81/2, "
+      "active: '65/20 - grow((66/20 & 65/20) - grow(shrink(66/20 & 65/20, 60 "
+      "nm), 60 nm), 5 nm)' }");
+  opc_error error;
+  opc_module *array =
+      module_of("layout.array", "{ columns: 6, rows: 6, boundary: core }");
+  void *one = r.layout;
+  opc_test_input(array, "layout", one);
+  if (opc_test_run(array, &r.layout, &error)) g_error("%s", error.message);
+  find_gates(&r, "{ grid: 1 nm }");
+  g_autofree char *file = source_path(netlist);
+  const eda_circuit *c =
+      circuit_match(&r, file, ", assign: places, top: foundry", NULL);
+  static const char *const numbers[] = {"22", "32", "23", "33"};
+  char *member[4] = {NULL};
+  for (int i = 0; i < 4; i++) {
+    g_assert_cmpuint(count_devices(c, numbers[i], &member[i]), ==, devices);
+    g_assert_true(g_str_has_suffix(member[i], "[1,1]"));
+    for (int k = 0; k < i; k++) g_assert_cmpstr(member[i], !=, member[k]);
+  }
+  /* The cell has no transistors besides those of the netlist. */
+  g_assert_cmpuint(c->gates->count, ==, 36 * devices);
+  for (int i = 0; i < 4; i++) g_free(member[i]);
+  drop_gates(&r);
+  opc_test_release(array, &r.layout);
+  opc_test_module_free(array);
+  r.layout = one;
+  opc_test_release(r.read, &r.layout);
+  opc_test_module_free(r.read);
+}
+
+static void test_arrays(void) {
+  check_array("sp_cell_opt1", "flows/foundry.sp", 6);
+  check_array("dp_cell_opt1a", "flows/foundry-dual.sp", 10);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/match/places", test_places);
   g_test_add_func("/match/misplaced", test_faults);
+  g_test_add_func("/match/arrays", test_arrays);
   return g_test_run();
 }
