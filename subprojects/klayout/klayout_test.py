@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Test the KLayout package: the modules without a window by KLayout's Python module, and the
-window by the program klayout, if they are installed. The expected transistors, shapes and places
+"""Test the KLayout package: the modules without a window by KLayout's Python module and by the
+program klayout, and the window by the program, if they are installed. The expected transistors, shapes and places
 are computed by KLayout from the drawn layout."""
 import os
 import re
@@ -247,6 +247,28 @@ def test_failures(pya):
     assert job.process.returncode is not None and not os.path.exists(job.folder)
 
 
+def execute(script, *options):
+    """Execute a script by the real program, without a screen, and return the output."""
+    with open("script.py", "w") as f:
+        f.write(script)
+    done = subprocess.run(["klayout", *options, "script.py"], stdin=subprocess.DEVNULL,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=240,
+                          env={**os.environ, "HOME": os.path.abspath("home"),
+                               "QT_QPA_PLATFORM": "offscreen", "PYTHONDONTWRITEBYTECODE": "1"})
+    return done.stdout
+
+
+def test_program(_):
+    """The tests above, by the Python of the real program, which can be another version."""
+    if not shutil.which("klayout"):
+        return "klayout is not installed"
+    path = os.path.join(HERE, "klayout_test.py")
+    text = execute("exec(compile(open(%r).read(), %r, 'exec'), {'__name__': 'inner', "
+                   "'__file__': %r})\n" % ((path,) * 3), "-b", "-r")
+    assert text.count("\nok ") == 6 and "not ok" not in text, text
+    return None
+
+
 def test_window(_):
     """The window of the real program, without a screen."""
     if not shutil.which("klayout"):
@@ -255,14 +277,9 @@ def test_window(_):
     chip(pya, path=os.path.abspath("chip.gds"))
     os.makedirs("home/.klayout/salt")
     os.symlink(HERE, "home/.klayout/salt/opcflow")
-    with open("script.py", "w") as f:
-        f.write(SCRIPT)
-    done = subprocess.run(["klayout", "-e", "-rm", "script.py"], stdin=subprocess.DEVNULL,
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=240,
-                          env={**os.environ, "HOME": os.path.abspath("home"),
-                               "QT_QPA_PLATFORM": "offscreen", "PYTHONDONTWRITEBYTECODE": "1"})
-    found = re.search("events True texts \\['', '(.*?)', '(.*?)', '(.*?)'\\] (.*)", done.stdout)
-    assert found, done.stdout
+    text = execute(SCRIPT, "-e", "-rm")
+    found = re.search("events True texts \\['', '(.*?)', '(.*?)', '(.*?)'\\] (.*)", text)
+    assert found, text
     assert found[1].startswith("8 transistors") and found[3] == found[1], found[0]
     assert found[2] == "The run was cancelled.", found[0]
     assert found[4] == "rows 8 views 2 databases 1 drawn [True, False]", found[0]
@@ -270,8 +287,8 @@ def test_window(_):
 
 
 def main():
-    tests = [test_cell, test_selection, test_shapes, test_scale, test_simulate, test_failures,
-             test_window]
+    tests = [test_cell, test_selection, test_shapes, test_scale, test_simulate, test_failures]
+    tests += [test_program, test_window] if __name__ == "__main__" else []
     print("1..%d" % len(tests))
     try:
         import pya

@@ -9,6 +9,7 @@ import pya
 
 COLUMNS = ("transistor", "type", "l (nm)", "w (nm)", "ion_before (%)", "ion_after (%)",
            "ioff_after (%)", "area_after (%)", "verdict")
+MARKERS = "view.lyrdb"  # in coordinates of the view
 
 
 class Results:
@@ -38,15 +39,15 @@ class Results:
 
     def fill_database(self, database):
         """Read the markers into a report database, in coordinates of the view."""
-        database.load(self.path("run.lyrdb"))
-        if self.scale == 1:
-            return
+        with open(self.path("run.lyrdb")) as f:
+            text = f.read()
         shrink = pya.DCplxTrans(1 / self.scale)
-        for item in database.each_item():
-            values = [scaled(value, shrink) for value in item.each_value()]
-            item.clear_values()
-            for value in values:
-                item.add_value(value)
+        text = re.sub(  # the shapes of write.klayout's markers are boxes
+            "(?<=<value>)box: .*?(?=</value>)",
+            lambda m: pya.RdbItemValue(shrink * pya.RdbItemValue.from_s(m[0]).box()).to_s(), text)
+        with open(self.path(MARKERS), "w") as f:
+            f.write(text)
+        database.load(self.path(MARKERS))
 
     def show(self, view):
         """Show layers and markers in the view, above the layout. Returns the index of the new
@@ -66,13 +67,5 @@ class Results:
             if view.cellview(i).filename() == self.path("run.oas"):
                 view.erase_cellview(i)
         for i in reversed(range(view.num_rdbs())):
-            if view.rdb(i).filename() == self.path("run.lyrdb"):
+            if view.rdb(i).filename() == self.path(MARKERS):
                 view.remove_rdb(i)
-
-
-def scaled(value, trans):
-    """Return a value of a report database, with transformed shapes."""
-    for kind in ("box", "polygon", "edge", "edge_pair", "path"):
-        if getattr(value, "is_%s" % kind)():
-            return pya.RdbItemValue(trans * getattr(value, kind)())
-    return value.dup()
