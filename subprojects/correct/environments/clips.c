@@ -103,7 +103,7 @@ static int drawn_flatten(const eda_chip *chip, int32_t layer, eda_box see,
   int code = eda_layout_flatten_window(chip->layout, chip->top, layer,
                                        chip->grid, &see, &flat, error);
   if (code) return code;
-  /* As the segmentation of the layout does. */
+  /* The segmentation of the layout straightens edges in the same way. */
   (void)eda_shapes_straighten(&flat.shapes,
                               (int32_t)lround(fmax(1, 1 / chip->grid)));
   code = eda_boolean(EDA_OR, &flat.shapes, NULL, out, error);
@@ -111,7 +111,8 @@ static int drawn_flatten(const eda_chip *chip, int32_t layer, eda_box see,
   return code;
 }
 
-/* Drawn shapes need no search for transistors. */
+/* Make the drawn shapes around the core. They need no search for
+   transistors. */
 static int make_drawn(window *w, eda_box see) {
   const cutter *c = w->cutter;
   int code = OPC_OK;
