@@ -101,7 +101,7 @@ OPC_EXPORT eda_box eda_shape_box(const eda_shapes *shapes, size_t i);
 OPC_EXPORT eda_shapes eda_shapes_of_boxes(size_t n);
 OPC_EXPORT void eda_shapes_set_box(eda_shapes *shapes, size_t i, eda_box box);
 
-/* Operations of eda_boolean. */
+/* Operations of eda_boolean; EDA_NOT: the area of a without that of b. */
 enum { EDA_OR = 0, EDA_AND = 1, EDA_NOT = 2, EDA_XOR = 3 };
 
 /* The functions below are [any] and have these rules.

@@ -30,8 +30,8 @@ typedef struct eda_shared {
   size_t size, offset;
 } eda_shared;
 
-/* Find the block that contains `bytes` bytes from `data` on. Returns 1 and sets
- *place, or 0 if no block does. [any] */
+/* Find the block that contains the `bytes` bytes from `data` on. Return 1 and
+   fill *place, or 0 if no block contains them. [any] */
 OPC_EXPORT int eda_shared_find(const void *data, size_t bytes,
                                eda_shared *place);
 
@@ -40,8 +40,8 @@ OPC_EXPORT int eda_shared_exists(uint64_t id);
 
 /* Move the block `id` to a new file with a new number; address and contents do
    not change. Processes that map the former file keep the former contents. No
-   thread may write to the block meanwhile. Returns 0 if there is no block `id`
-   or no memory. */
+   thread may write to the block meanwhile. Return 0 if there is no block `id`
+   or no memory. [any] */
 OPC_EXPORT int eda_shared_renew(uint64_t id);
 
 /* Enlarge *array (the address of a pointer) to a capacity of at least `need`

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Data kind (opcflow/step.h) "settings", produced by the step `search`: a
-   figure of merit for each combination of values of some parameters. */
+   figure of merit for each combination of values of some parameters. All
+   functions are [any] (opcflow/plugin.h). */
 #pragma once
 
 #include <opcflow/base.h>
