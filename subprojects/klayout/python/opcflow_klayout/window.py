@@ -107,23 +107,24 @@ class Window(pya.QDialog):
             self.bar.setValue(int(STEPS * self.job.fraction))
         self.label.setText(self.job.status)
         if ended:
-            self.show_results(Results(self.job.folder), self.job.messages)
+            self.timer.stop()
+            # KLayout handles events while it loads files, so that the job must end last.
+            try:
+                self.stop(self.show_results(Results(self.job.folder), self.job.messages), STEPS)
+            except (OSError, KeyError, RuntimeError) as fault:  # the flow has other files
+                self.stop("%s: %s" % (self.job.folder, fault))
 
-    def stop(self, text):
-        """End the following of a run."""
+    def stop(self, text, value=0):
+        """Follow the run no longer."""
         self.timer.stop()
         self.job = None
         self.button.setText("Start")
         self.bar.setMaximum(STEPS)
-        self.bar.setValue(0)
+        self.bar.setValue(value)
         self.label.setText(text)
 
     def show_results(self, results, messages):
-        self.stop("\n".join([
-            "%d transistors, |Ion deviation|: mean %.3g %%, largest %.3g %%" %
-            (results.metric("transistors"), results.metric("ion_mean"),
-             results.metric("ion_max")), *messages]))
-        self.bar.setValue(STEPS)
+        """Show the files of a run, and return the text for the window."""
         self.report.setEnabled(os.path.isfile(results.path("report.html")))
         self.table.clear()
         for row in results.rows:
@@ -133,6 +134,10 @@ class Window(pya.QDialog):
         index = results.show(self.view)
         self.view.show_rdb(self.view.num_rdbs() - 1, index)
         self.results, self.kept = results, self.place  # the files exist as long as the results
+        return "\n".join([
+            "%d transistors, |Ion deviation|: mean %.3g %%, largest %.3g %%" %
+            (results.metric("transistors"), results.metric("ion_mean"),
+             results.metric("ion_max")), *messages])
 
     def zoom(self, item, _column):
         """Show the transistor of a row."""
