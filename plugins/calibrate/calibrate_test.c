@@ -197,13 +197,17 @@ static double figure_of(const char *name, const char *column) {
 static site sites[GAUGES];
 static eda_mask *mask;
 
-/* Fit gauges of random noise, for OPCFLOW_TRIALS trials or else `trials`. Test
-   that the `fitted` parameters are within 4 standard deviations of the hidden
-   values, and that gauges left out are predicted with the error of the noise.
-   Log how many intervals contain the hidden values. */
+/* Fit gauges of random noise, for OPCFLOW_TRIALS trials or else `trials`; one
+   trial under the sanitizer. Test that the `fitted` parameters are within 4
+   standard deviations of the hidden values, and that gauges left out are
+   predicted with the error of the noise. Log how many intervals contain the
+   hidden values. */
 static void run_trials(int trials, const char *settings, int biased,
                        const uint8_t fitted[HIDDEN]) {
   const char *wish = g_getenv("OPCFLOW_TRIALS");
+#ifdef __SANITIZE_ADDRESS__
+  trials = 1;
+#endif
   if (wish) trials = atoi(wish);
   int inside[HIDDEN] = {0};
   for (int k = 0; k < trials; k++) {
@@ -242,8 +246,13 @@ static void test_recovered(void) {
              (const uint8_t[HIDDEN]){1, 1, 1, 1});
 }
 
-/* Test that hidden optics and a hidden bias by density are found. */
+/* Test that hidden optics and a hidden bias by density are found. Under the
+   sanitizer, this takes a minute, and other tests run the same code. */
 static void test_optics(void) {
+#ifdef __SANITIZE_ADDRESS__
+  g_test_skip("accuracy is tested without the sanitizer");
+  return;
+#endif
   run_trials(1,
              "na: [0.68, 0.8], sigma: [0.6, 0.9], defocus: [90 nm], "
              "bias_density: [-50 nm, 50 nm], density_range: 300 nm, "
