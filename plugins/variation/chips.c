@@ -269,10 +269,32 @@ static void keep_terms(const sampling *s, const block_memory *b, size_t tile,
     b->terms[(tile * n + t) * BLOCK + k] = terms[t];
 }
 
+/* Write the change of ln L by line edges of LANES gates: a rectangular gate
+   with the new length has the current after line edges. The first step has the
+   slope at the length, the second the slope of the chord of the first step.
+   `before`, `after`: ln Ion. */
+EDA_WIDE static void group_lengths(const lane_group *g, const curves *c,
+                                   const float *x, const float *before,
+                                   const float *after, float *out) {
+  float last = (float)(c->count - 1), scale = (float)(1 / c->step);
+  float first = (float)c->first;
+  for (int k = 0; k < LANES; k++) {
+    const float *curve = c->value[ION] + g->curve[ION][k];
+    float length = g->length[k] + x[k], t = (length - first) * scale;
+    float at = table_at(curve, 1, last, t), change = after[k] - before[k];
+    float slope = table_at(curve, 1, last, t + scale) - at;
+    float move = change / fminf(slope, -1e-4F);
+    float size = fmaxf(fabsf(move), 0.05F), step = move < 0 ? -size : size;
+    slope = (table_at(curve, 1, last, t + step * scale) - at) / step;
+    float y = change / fminf(slope, -1e-4F) / length;
+    out[k] = y * (1 - y * (0.5F - y * 0.333333333F));
+  }
+}
+
 static void keep_edges(const block_memory *b, const lane_group *g,
-                       const float *before, const float *after, size_t k) {
+                       const float *lengths, size_t k) {
   for (size_t i = 0; i < g->used; i++)
-    b->edges[(size_t)g->gate[i] * BLOCK + k] = after[i] - before[i];
+    b->edges[(size_t)g->gate[i] * BLOCK + k] = lengths[i];
 }
 
 /* Sample TOGETHER chips from number `at` on. Chips beyond the last one are
@@ -310,7 +332,10 @@ static void sample_some(const sampling *s, size_t at,
                    log);
       memcpy(plain, log, sizeof plain);
       group_edges(group, c->rough, one, a, b, log);
-      if (memory->edges) keep_edges(memory, group, plain, log, at % BLOCK + k);
+      if (memory->edges) {
+        group_lengths(group, c->curves, one, plain, log, a);
+        keep_edges(memory, group, a, at % BLOCK + k);
+      }
       group_exp(log, current);
       sums_add(&sums[k], group, current);
       if (m && at + k < s->count)

@@ -221,8 +221,8 @@ static void test_delays(void) {
   enum { N = 20000 };
   model *m = model_new();
   static const uint32_t streams[SOURCES] = {0, 1, 2, 3, 4, 5, 6, 7};
-  set_term(m, LENGTH, term_of(&m->s, POLY_DOSE, 1, -1, 0), 1 * 4);
-  set_term(m, LENGTH, term_of(&m->s, POLY_FOCUS, 2, -1, 0), 0.05F * 16);
+  set_term(m, LOG_LENGTH, term_of(&m->s, POLY_DOSE, 1, -1, 0), 0.06F);
+  set_term(m, LOG_LENGTH, term_of(&m->s, POLY_FOCUS, 2, -1, 0), 0.04F);
   set_term(m, WIDTH, term_of(&m->s, ACTIVE_MASK, 1, -1, 0), 0.02F * 4);
   set_term(m, AREA, term_of(&m->s, POLY_DOSE, 1, -1, 0), 0.01F * 4);
   for (size_t i = 0; i < GATES; i++) m->tile_of[i] = i % 2;
@@ -258,7 +258,7 @@ static void test_delays(void) {
         for (int q = 0; q < EDA_SIZES; q++) by[q] = (double)term[p][k].by[q];
         circuit_variables(&m->c, streams, chip, m->tile_of[i], u);
         surrogate_features(&m->s, u, features);
-        double l = 65 + surrogate_at(&m->s, features, LENGTH, i);
+        double l = 65 * exp(surrogate_at(&m->s, features, LOG_LENGTH, i));
         double w = 200 * exp(surrogate_at(&m->s, features, WIDTH, i));
         double a = 200 * 65 * exp(surrogate_at(&m->s, features, AREA, i));
         sum += by[0] * log(l / 66) + by[1] * log(w / 198) +
@@ -268,7 +268,7 @@ static void test_delays(void) {
     }
     most = fmax(most, fabs(longest - (double)s->chip[CHIP_DELAY][chip]));
   }
-  g_assert_cmpfloat(most, <, 0.05); /* third order of the logarithm */
+  g_assert_cmpfloat(most, <, 1e-4);
   statistics without = statistics_of(s->chip[CHIP_DELAY], N);
   sample_free(s);
   /* With one path, the variance of line edges is added. A change of ln Ion by x
@@ -284,8 +284,9 @@ static void test_delays(void) {
     m->rough[i] = (roughness_effect){{0.02F, 0}, {0.1F, 0}, 0};
   s = sample_new(m, N, NULL);
   statistics with = statistics_of(s->chip[CHIP_DELAY], N);
-  double by = 40 * 30 / 65.0;
-  assert_near(with.mean - without.mean, -0.02 * by, 4 * 0.1 * by / sqrt(N));
+  double by = 40 * 30 / 65.0, second = -20 * 0.0104 * pow(30 / 65.0, 2);
+  assert_near(with.mean - without.mean, second - 0.02 * by,
+              4 * 0.1 * by / sqrt(N));
   assert_near(with.sigma, hypot(without.sigma, 0.1 * by),
               4 * with.sigma / sqrt(2 * N));
   sample_free(s);

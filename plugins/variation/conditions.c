@@ -170,6 +170,7 @@ static void figures_write(conditions *c, float *out, float *current) {
     off = curves_length(&v->leakage, i, IOFF, log(p->ioff[i] / d->ioff[i]) - w);
     out[LENGTH * n + i] = (float)(on - g->length[i]);
     out[LENGTH_OFF * n + i] = (float)(off - g->length[i]);
+    out[LOG_LENGTH * n + i] = (float)log(on / g->length[i]);
     out[WIDTH * n + i] = (float)w;
     out[AREA * n + i] = (float)log(p->area[i] / d->area[i]);
     if (current) current[ION * n + i] = (float)log(p->ion[i] / d->ion[i]);

@@ -13,36 +13,6 @@
 
 /* ---- one delay ---- */
 
-/* Add factor * x^2 to a polynomial with these terms, up to degree 2, where x is
-   the polynomial with the coefficients `c` of gate i. */
-static void square_add(const surrogate *s, const float *c, size_t i,
-                       double factor, double *to) {
-  double part[VARIABLES] = {0}, constant = 0;
-  for (size_t t = 0; t < s->terms; t++) {
-    const uint8_t *power = s->power[t];
-    int degree = 0, of = 0;
-    for (int v = 0; v < VARIABLES; v++) {
-      degree += power[v];
-      if (power[v]) of = v;
-    }
-    double value = (double)c[t * s->gates + i];
-    if (!degree) constant = value;
-    if (degree == 1) part[of] = value;
-  }
-  for (size_t t = 0; t < s->terms; t++) {
-    const uint8_t *power = s->power[t];
-    int degree = 0, of[2] = {0, 0}, n = 0;
-    for (int v = 0; v < VARIABLES; v++) {
-      degree += power[v];
-      for (int k = 0; k < power[v] && n < 2; k++) of[n++] = v;
-    }
-    if (degree == 0) to[t] += factor * constant * constant;
-    if (degree == 1) to[t] += factor * 2 * constant * part[of[0]];
-    if (degree == 2)
-      to[t] += factor * part[of[0]] * part[of[1]] * (of[0] == of[1] ? 1 : 2);
-  }
-}
-
 /* Return d ln(length) / d ln(Ion) of a gate at its nominal length. */
 static double length_by_ion(const circuit *c, size_t gate) {
   const double step = 1;
@@ -57,8 +27,6 @@ double delay_local(const circuit *c, const eda_delay_term *term) {
   return (double)term->by[EDA_SIZE_L] * length_by_ion(c, term->gate);
 }
 
-/* The length is expanded to the second order, ln(1 + x) = x - x^2 / 2, because
-   its deviations reach some percent. */
 void delay_global(const circuit *c, const eda_delays *d, const eda_delay *delay,
                   size_t tile, double *out) {
   const surrogate *s = c->surrogate;
@@ -66,22 +34,19 @@ void delay_global(const circuit *c, const eda_delays *d, const eda_delay *delay,
     const eda_delay_term *term = &delay->term[k];
     size_t i = term->gate;
     if (c->tile_of && c->tile_of[i] != tile) continue;
-    double length = d->size[EDA_SIZE_L][i], l = (double)term->by[EDA_SIZE_L];
-    double w = (double)term->by[EDA_SIZE_W], a = (double)term->by[EDA_SIZE_C];
-    const float *of[] = {s->coefficient[LENGTH], s->coefficient[WIDTH],
+    double a = (double)term->by[EDA_SIZE_C];
+    const float *of[] = {s->coefficient[LOG_LENGTH], s->coefficient[WIDTH],
                          s->coefficient[AREA]};
-    const double by[] = {l / length, w - a, a};
+    const double by[] = {(double)term->by[EDA_SIZE_L],
+                         (double)term->by[EDA_SIZE_W] - a, a};
     /* Constants: the surrogate is relative to drawn, the delay to `size`. */
-    double first = c->drawn_length[i] / length - 1;
-    out[0] += l * (first - first * first / 2) +
-              (w - a) * log(c->drawn_width[i] / d->size[EDA_SIZE_W][i]) +
-              a * log(c->drawn_area[i] / d->size[EDA_SIZE_C][i]);
-    for (size_t t = 0; t < s->terms; t++)
-      for (int q = 0; q < 3; q++)
+    const double drawn[] = {c->drawn_length[i], c->drawn_width[i],
+                            c->drawn_area[i]};
+    for (int q = 0; q < EDA_SIZES; q++) {
+      out[0] += by[q] * log(drawn[q] / d->size[q][i]);
+      for (size_t t = 0; t < s->terms; t++)
         out[t] += by[q] * (double)of[q][t * s->gates + i];
-    for (size_t t = 0; t < s->terms; t++)
-      out[t] -= l * first / length * (double)of[0][t * s->gates + i];
-    square_add(s, of[0], i, -l / (2 * length * length), out);
+    }
   }
 }
 
@@ -108,7 +73,7 @@ void delay_model_init(delay_model *m, const circuit *c, const eda_delays *d) {
     }
     m->first[p + 1] = m->first[p];
     for (size_t k = 0; k < one->terms; k++) {
-      float local = (float)delay_local(c, &one->term[k]);
+      float local = one->term[k].by[EDA_SIZE_L];
       if (local == 0) continue;
       m->gate[m->first[p + 1]] = one->term[k].gate;
       m->local[m->first[p + 1]++] = local;

@@ -406,15 +406,14 @@ static int put_chip(const variation *v, uint64_t chip, double *features,
     for (int k = 0; k < FIGURES; k++)
       figure[k] = surrogate_at(c->surrogate, features, k, i);
     double length = g->length[i] + figure[LENGTH];
-    double change = (double)c->edges[chip * g->count + i];
-    r[i].length = curves_length(c->curves, i, ION,
-                                curves_at(c->curves, i, ION, length) + change);
+    length *= exp((double)c->edges[chip * g->count + i]);
+    r[i].length = length;
     r[i].width = g->width[i] * exp(figure[WIDTH]);
     r[i].area = 100 * (v->design.area[i] * exp(figure[AREA]) /
                            (g->length[i] * g->width[i]) -
                        1);
-    r[i].ion = 100 * expm1(curves_at(c->curves, i, ION, length) +
-                           figure[WIDTH] + change);
+    r[i].ion =
+        100 * expm1(curves_at(c->curves, i, ION, length) + figure[WIDTH]);
     snprintf(r[i].transistor, sizeof r->transistor, "%s:%u",
              eda_gates_owner(g, i), (unsigned)g->number[i]);
     r[i].name = r[i].transistor;

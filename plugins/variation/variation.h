@@ -35,12 +35,12 @@ static const double variation_range = 4;
 /* ---- surrogate.c ---- */
 
 /* Figures of a transistor, relative to drawn: equivalent length of Ion, and
-   change of all slices of the nominal image that results in Ioff, nm; ln W and
-   ln area. The currents follow from the lengths and W by curves (below),
-   because these figures are smooth functions of the variables. Ioff and its
-   equivalent length are not, because the shortest slices dominate Ioff where
-   its slope is steep. */
-enum { LENGTH, LENGTH_OFF, WIDTH, AREA, FIGURES };
+   change of all slices of the nominal image that results in Ioff, nm; ln W, ln
+   area, and ln of the length of Ion (for delays). The currents follow from the
+   lengths and W by curves (below), because these figures are smooth functions
+   of the variables. Ioff and its equivalent length are not, because the
+   shortest slices dominate Ioff where its slope is steep. */
+enum { LENGTH, LENGTH_OFF, WIDTH, AREA, LOG_LENGTH, FIGURES };
 
 /* A polynomial in the scaled variables. Each variable is divided by the end of
    its range (variation_range standard deviations), so that the scaled range is
@@ -191,7 +191,7 @@ typedef struct circuit {
                               Cholesky factor of the correlation */
   const struct delay_model *delays; /* NULL: no delays */
   uint64_t kept;                    /* chips whose line edges are kept */
-  float *edges; /* change of ln Ion by line edges, [chip * gates + gate] */
+  float *edges; /* change of ln L by line edges, [chip * gates + gate] */
   uint64_t seed;
 } circuit;
 
@@ -230,7 +230,7 @@ int circuit_sample(const circuit *c, const uint32_t stream[SOURCES],
 /* ---- delays.c ---- */
 
 /* Delays of paths, ps: polynomials in the terms of the surrogate, by tile, and
-   the effect of a change of ln Ion of single gates by line edges. */
+   the effect of a change of ln L of single gates by line edges. */
 typedef struct delay_model {
   size_t paths, tiles, terms;
   float *time;   /* at the sizes of eda_delays, [paths] */
@@ -244,8 +244,8 @@ void delay_model_init(delay_model *m, const circuit *c, const eda_delays *d);
 void delay_model_clear(delay_model *m);
 
 /* Compute the longest delay of BLOCK chips. `terms`: values of the terms,
-   [(tile * terms + term) * BLOCK + chip]; `edges`: change of ln Ion by line
-   edges, [gate * BLOCK + chip]. */
+   [(tile * terms + term) * BLOCK + chip]; `edges`: change of ln L by line
+   edges, the length with the changed Ion, [gate * BLOCK + chip]. */
 void delays_longest(const delay_model *m, const float *terms,
                     const float *edges, float *out);
 

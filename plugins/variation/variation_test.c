@@ -5,6 +5,7 @@
 #include <eda/check.h>
 #include <eda/memory.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "tools/devel/testing.h"
@@ -189,6 +190,97 @@ static void test_sample(void) {
   opc_test_module_free(loop);
 }
 
+/* Return the row of a table whose column `name` is `text`. */
+static size_t row_of(const char *table, const char *name, const char *text) {
+  for (size_t i = 0; i < opc_test_rows(table); i++)
+    if (!strcmp(opc_test_text(table, name, i), text)) return i;
+  g_error("table '%s' has no row '%s'", table, text);
+}
+
+/* Test the delays of chips against the sizes in the tables of these chips, and
+   the yield against a normal distribution. The arc in the SDF file has the
+   derivatives of the path, and is compared with the table of the path. */
+static void test_delays(void) {
+  enum { TABLES = 30, MOST_GATES = 64 };
+  opc_module *loop =
+      module_make("correct",
+                  "synthesizer: { use: synthesizer.dpb }, max_iterations: 6, "
+                  "regulator: { use: regulator.drc, min_extension: 40 nm }");
+  eda_mask *mask = run_step(loop, "gates", eda_gates_sample());
+  const eda_performance *after = &mask->after;
+  size_t n = mask->gates->count;
+  g_assert_cmpuint(n, <=, MOST_GATES);
+  eda_delay_term term[MOST_GATES];
+  for (size_t i = 0; i < n; i++)
+    term[i] = (eda_delay_term){(uint32_t)i, {20 + (float)i, -9, 4}};
+  eda_delay_path path = {.delay = {50, n, term}, .from = "a", .to = "z"};
+  eda_delay_arc arc = {{50, n, term}, "INV", "U1", "A", "Y", 1};
+  eda_delays d = {.name = "top",
+                  .gates = mask->gates,
+                  .size = {after->leq_ion, after->weq, after->area},
+                  .drawn = 50,
+                  .paths = 1,
+                  .path = &path,
+                  .arcs = 1,
+                  .arc = &arc};
+  void *none[1];
+  opc_error error = {0};
+  opc_test_forget();
+  opc_module *m =
+      module_make("variation",
+                  "chips: 20000, tables: %d, clock: 52 ps, sdf: x.sdf", TABLES);
+  opc_test_input(m, "mask", mask);
+  opc_test_input(m, "delays", &d);
+  if (opc_test_run(m, none, &error)) g_error("%s", error.message);
+  double mean = opc_test_metric("delay_mean");
+  double sigma = opc_test_metric("delay_sigma");
+  g_assert_cmpfloat(sigma, >, 1);
+  for (size_t chip = 0; chip < TABLES; chip++) {
+    g_autofree char *name = g_strdup_printf("chip%zu", chip + 1);
+    double sum = 50;
+    for (size_t i = 0; i < n; i++) {
+      double l = opc_test_number(name, "leq_ion", i);
+      double w = opc_test_number(name, "weq", i);
+      double a = mask->gates->length[i] * mask->gates->width[i] *
+                 (1 + opc_test_number(name, "area_after", i) / 100);
+      sum += (20 + (double)i) * log(l / after->leq_ion[i]) -
+             9 * log(w / after->weq[i]) +
+             4 * log(a / w / (after->area[i] / after->weq[i]));
+    }
+    double got = opc_test_number("chips", "delay", chip);
+    if (!(fabs(got - sum) < 0.03 * sigma))
+      g_error("chip %zu: %g is not %g (sigma %g)", chip, got, sum, sigma);
+  }
+  double yield = opc_test_metric("yield_delay");
+  double want = 50 * erfc((mean - 52) / sigma / sqrt(2));
+  if (!(fabs(yield - want) < 3)) g_error("%g is not %g", yield, want);
+  size_t row = row_of("yield", "limit", "longest path");
+  g_assert_true(opc_test_number("yield", "yield", row) == yield);
+  double one = opc_test_number("paths", "mean", 0);
+  double own = opc_test_number("paths", "sigma", 0);
+  if (!(fabs(one - mean) < 0.05 * sigma && fabs(own / sigma - 1) < 0.05))
+    g_error("%g, %g are not %g, %g", one, own, mean, sigma);
+  g_autofree char *file = g_build_filename(opc_test_folder(), "x.sdf", NULL);
+  g_autofree char *text = NULL;
+  g_assert_true(g_file_get_contents(file, &text, NULL, NULL));
+  const char *first = strstr(text, "(IOPATH A Y (");
+  g_assert_nonnull(first);
+  double least = atof(first + strlen("(IOPATH A Y ("));
+  if (!(fabs(least - (one - 3 * own)) < 2e-3)) g_error("%g: %s", least, text);
+  opc_test_module_free(m);
+  /* Delays of other gates are refused. */
+  d.gates = NULL;
+  m = module_make("variation", "chips: 2000");
+  opc_test_input(m, "mask", mask);
+  opc_test_input(m, "delays", &d);
+  g_assert_cmpint(opc_test_run(m, none, &error), ==, OPC_INVALID);
+  g_assert_nonnull(strstr(error.message, "give 'circuit'"));
+  opc_test_module_free(m);
+  void *outputs[1] = {mask};
+  opc_test_release(loop, outputs);
+  opc_test_module_free(loop);
+}
+
 /* If a line end barely covers the active, the leakage under overlay is not a
    polynomial: the step fails. */
 static void test_line_end(void) {
@@ -229,6 +321,7 @@ static void test_refused(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/variation/sample", test_sample);
+  g_test_add_func("/variation/delays", test_delays);
   g_test_add_func("/variation/line-end", test_line_end);
   g_test_add_func("/variation/refused", test_refused);
   return g_test_run();
