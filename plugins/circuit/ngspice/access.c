@@ -141,16 +141,42 @@ static void run_job(bench_task *j) {
   eda_spice_clear(&r);
 }
 
-int accesses_find(bench *b, const cell *cells, size_t count, accesses *out,
-                  opc_error *error) {
-  uint32_t word;
-  for (size_t i = 0; i < 2 * count; i++) {
-    const cell *m = &cells[i / 2];
-    if (bit_line(b, m, i % 2, &word) == UINT32_MAX)
+/* Refuse cells whose lines cannot be driven separately. */
+static int check_lines(const bench *b, const cell *m, opc_error *error) {
+  const eda_circuit *c = b->circuit;
+  const uint32_t node[2] = {m->q, m->qb};
+  uint32_t word[2], bit[2];
+  int n;
+  for (int s = 0; s < 2; s++) {
+    bit[s] = bit_line(b, m, s, &word[s]);
+    if (bit[s] == UINT32_MAX)
       return opc_fail(error, OPC_INVALID, "circuit",
                       "storage node '%s' has no access transistor",
-                      b->circuit->net[i % 2 ? m->qb : m->q]);
+                      c->net[node[s]]);
+    if (is_word_line(b, m, bit[s], &n))
+      return opc_fail(error, OPC_INVALID, "circuit",
+                      "the bit line '%s' of storage node '%s' is a word line",
+                      c->net[bit[s]], c->net[node[s]]);
   }
+  for (uint32_t i = m->devices - m->accesses; i < m->devices; i++) {
+    const eda_device *d = &c->device[m->device[i]];
+    if (is_rail(eda_circuit_role(c, d->gate)))
+      return opc_fail(error, OPC_INVALID, "circuit",
+                      "the word line of '%s', at storage nodes '%s' and '%s', "
+                      "is the supply or ground '%s'",
+                      d->name, c->net[m->q], c->net[m->qb], c->net[d->gate]);
+  }
+  if (bit[0] != bit[1]) return OPC_OK;
+  return opc_fail(error, OPC_INVALID, "circuit",
+                  "storage nodes '%s' and '%s' have one bit line, '%s', "
+                  "expected two",
+                  c->net[m->q], c->net[m->qb], c->net[bit[0]]);
+}
+
+int accesses_find(bench *b, const cell *cells, size_t count, accesses *out,
+                  opc_error *error) {
+  for (size_t i = 0; i < count; i++)
+    if (check_lines(b, &cells[i], error)) return error->code;
   const accesses_study s = {cells, out};
   for (int state = 0; state < EDA_STATES; state++)
     out->of[state] = eda_pool_alloc(&b->pool, count, sizeof(access_figures));

@@ -290,6 +290,29 @@ static void test_printed_access(void) {
                  "storage node 'Q' has no access transistor");
 }
 
+/* Cells whose word lines and bit lines cannot be driven separately. */
+static void test_lines(void) {
+  static const struct {
+    const char *q, *qb, *refused;
+  } of[] = {
+      {"WL BL", "WL BL", "storage nodes 'Q' and 'QB' have one bit line, 'BL'*"},
+      {"BL BL", "WL BLB", "the bit line 'BL' of storage node 'Q' is a word*"},
+      {"WL BL", "BL BLB", "the bit line 'BL' of storage node 'Q' is a word*"},
+      {"WL BL", "VDD BLB", "the word line of 'MA2', at storage nodes 'Q' and*"},
+      {"WL BL", "VSS BLB", "*is the supply or ground 'VSS'"}};
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  for (size_t i = 0; i < G_N_ELEMENTS(of); i++) {
+    g_autofree char *text = g_strdup_printf(
+        "MA1 Q %s VSS n 65 140,MD1 Q QB VSS VSS n 65 300,"
+        "ML1 Q QB VDD VDD p 65 160,MA2 QB %s VSS n 65 140,"
+        "MD2 QB Q VSS VSS n 65 330,ML2 QB Q VDD VDD p 65 160",
+        of[i].q, of[i].qb);
+    g_autoptr(made) m = circuit_make(MEMORY_PORTS, text);
+    assert_refused(m, 0, card, "measure: cell", of[i].refused);
+  }
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/circuit/margins", test_margins);
@@ -298,5 +321,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/circuit/access", test_access);
   g_test_add_func("/circuit/ports", test_ports);
   g_test_add_func("/circuit/printed-access", test_printed_access);
+  g_test_add_func("/circuit/lines", test_lines);
   return g_test_run();
 }

@@ -136,9 +136,6 @@ static int find_states(bench *b, opc_error *error) {
 static int circuit_prepare(bench *b, opc_error *error) {
   b->low = b->edges.values[0] / 100;
   b->high = b->edges.values[1] / 100;
-  if (!b->library == !b->models[0])
-    return opc_fail(error, OPC_INVALID, b->library ? "library" : "models",
-                    "set either 'models' or 'library'");
   /* DLC of library models cannot be changed. */
   if (b->library) b->dlc = 0;
   if (b->library ? read_library(b, error)
@@ -441,6 +438,9 @@ static int circuit_check(void *self, opc_error *error) {
   static const char *const names[] = {[EDA_NMOS] = "nmos", [EDA_PMOS] = "pmos"};
   bench *b = self;
   const double *edge = b->edges.values;
+  if (!b->library == !b->models[0])
+    return opc_fail(error, OPC_INVALID, b->library ? "library" : "models",
+                    "set either 'models' or 'library'");
   for (int type = 0; type < 2; type++)
     if (!b->model[type] && !b->library) b->model[type] = names[type];
   for (int type = 0; type < 2; type++)

@@ -452,7 +452,7 @@ static void test_refused(void) {
   assert_refused(m, 0, card, "nmos: nfet, dlc: false",
                  "'ngspice' failed*nfet*");
   g_autofree char *both = g_strdup_printf("library: '%s'", card);
-  assert_refused(m, 0, card, both, "set either 'models' or 'library'");
+  assert_refused(m, 0, card, both, "*set either 'models' or 'library'");
   g_autofree char *osdi = g_strdup_printf("osdi: '%s'", card);
   assert_refused(m, 0, card, osdi, "*requires 'library'");
   assert_refused(m, 0, card, "time_limit: 1 ns",
