@@ -28,17 +28,20 @@ steps:
 # events are handled in the meantime.
 SCRIPT = """
 import os, pya, traceback
-main, events, texts = pya.MainWindow.instance(), [], []
+main, events, texts, inside = pya.MainWindow.instance(), [], [], []
 main.load_layout("chip.gds", 1)
 def follow(*_):
+    if inside:  # an event while another one is handled
+        return
+    inside.append(1)
     try:
         from opcflow_klayout.window import KEPT
         if "window" not in KEPT:
             main.menu().action("tools_menu.opcflow").trigger()
             KEPT["window"].process.setEditText("own65")
         window = KEPT["window"]
-        if window.job:
-            events.append((len(texts), window.job.fraction))
+        if window.job or window.busy:
+            events.append((len(texts), window.job and window.job.fraction))
             return
         texts.append(window.label.text.splitlines()[0] if events else '')
         if len(texts) < 4:
@@ -55,6 +58,8 @@ def follow(*_):
     except Exception:
         traceback.print_exc()
         os._exit(1)
+    finally:
+        inside.clear()
 timer = pya.QTimer(main)
 timer.timeout(follow)
 timer.start(5)
@@ -251,8 +256,9 @@ def execute(script, *options):
     """Execute a script by the real program, without a screen, and return the output."""
     with open("script.py", "w") as f:
         f.write(script)
-    done = subprocess.run(["klayout", *options, "script.py"], stdin=subprocess.DEVNULL,
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=240,
+    done = subprocess.run(["timeout", "-k", "5", "240", "klayout", *options, "script.py"],
+                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True,
                           env={**os.environ, "HOME": os.path.abspath("home"),
                                "CHIP": os.path.abspath("chip.gds"),
                                "QT_QPA_PLATFORM": "offscreen", "PYTHONDONTWRITEBYTECODE": "1"})

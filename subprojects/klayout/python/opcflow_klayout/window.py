@@ -22,7 +22,7 @@ class Window(pya.QDialog):
 
     def __init__(self, parent=None):
         super().__init__(parent)
-        self.job, self.results = None, None
+        self.job, self.results, self.busy = None, None, False
         self.view = pya.LayoutView.current()
         self.setWindowTitle("opcflow")
         self.resize(760, 420)
@@ -73,7 +73,17 @@ class Window(pya.QDialog):
             self.start()
 
     def start(self):
-        """Start a run; the timer follows the run."""
+        """Start a run; the timer follows the run. KLayout handles events while it writes the
+        layout, so that a second call is possible before the first one ends."""
+        if self.busy or self.job:
+            return
+        self.busy = True
+        try:
+            self.begin()
+        finally:
+            self.busy = False
+
+    def begin(self):
         self.view = pya.LayoutView.current()
         cellview = self.view.active_cellview() if self.view else None
         if not cellview or not cellview.is_valid() or not cellview.cell:
