@@ -14,6 +14,27 @@ void eda_verilog_name(FILE *out, const char *name) {
   fprintf(out, good ? "%s" : "\\%s ", name);
 }
 
+/* Write an identifier of SDF: a backslash precedes each special character. A
+   first digit is escaped, too, for programs that take it for a number. */
+static void put_name(FILE *out, const char *name) {
+  for (const char *c = name; *c; c++) {
+    int plain = isalpha((unsigned char)*c) || *c == '_' ||
+                (c > name && isdigit((unsigned char)*c));
+    if (!plain) fputc('\\', out);
+    fputc(*c, out);
+  }
+}
+
+/* Write a string of SDF. */
+static void put_string(FILE *out, const char *text) {
+  fputc('"', out);
+  for (; *text; text++) {
+    if (*text == '"' || *text == '\\') fputc('\\', out);
+    fputc(*text, out);
+  }
+  fputc('"', out);
+}
+
 static void put_delay(FILE *out, const double delay[3]) {
   if (isnan(delay[1]))
     fputs(" ()", out);
@@ -29,14 +50,16 @@ static void put_arcs(FILE *out, size_t arcs, const eda_sdf_arc *arc) {
   for (size_t i = 0; i < arcs; i++) {
     const eda_sdf_arc *a = &arc[i];
     if (!i || !same_entry(a, a - 1)) {
-      fprintf(out, "  (CELL (CELLTYPE \"%s\") (INSTANCE ", a->cell);
-      eda_verilog_name(out, a->instance);
+      fputs("  (CELL (CELLTYPE ", out);
+      put_string(out, a->cell);
+      fputs(") (INSTANCE ", out);
+      put_name(out, a->instance);
       fputs(")\n    (DELAY (ABSOLUTE\n", out);
     }
     fputs("      (IOPATH ", out);
-    eda_verilog_name(out, a->input);
+    put_name(out, a->input);
     fputc(' ', out);
-    eda_verilog_name(out, a->output);
+    put_name(out, a->output);
     put_delay(out, a->delay[1]);
     put_delay(out, a->delay[0]);
     fputs(")\n", out);
@@ -44,16 +67,36 @@ static void put_arcs(FILE *out, size_t arcs, const eda_sdf_arc *arc) {
   }
 }
 
+/* Return an arc with a delay that is not finite, or NULL. */
+static const eda_sdf_arc *find_infinite(size_t arcs, const eda_sdf_arc *arc) {
+  for (size_t i = 0; i < arcs; i++)
+    for (int rises = 0; rises < 2; rises++)
+      for (int k = 0; k < 3; k++) {
+        double x = arc[i].delay[rises][k];
+        if (!isnan(arc[i].delay[rises][1]) && !isfinite(x)) return &arc[i];
+      }
+  return NULL;
+}
+
 int eda_sdf_write(const char *path, const char *design, const char *program,
                   double supply, double temperature, size_t arcs,
                   const eda_sdf_arc *arc, opc_error *error) {
+  const eda_sdf_arc *wrong = find_infinite(arcs, arc);
+  if (wrong)
+    return opc_fail(error, OPC_FAILED, NULL,
+                    "the delay of '%.100s' from '%.100s' to '%.100s' is not "
+                    "finite",
+                    wrong->instance, wrong->input, wrong->output);
   FILE *out = fopen(path, "wb");
   if (out) {
+    fputs("(DELAYFILE\n  (SDFVERSION \"3.0\")\n  (DESIGN ", out);
+    put_string(out, design);
+    fputs(")\n  (PROGRAM ", out);
+    put_string(out, program);
     fprintf(out,
-            "(DELAYFILE\n  (SDFVERSION \"3.0\")\n  (DESIGN \"%s\")\n"
-            "  (PROGRAM \"%s\")\n  (VOLTAGE %g)\n  (TEMPERATURE %g)\n"
-            "  (DIVIDER /)\n  (TIMESCALE 1 ps)\n",
-            design, program, supply, temperature);
+            ")\n  (VOLTAGE %g)\n  (TEMPERATURE %g)\n  (DIVIDER /)\n"
+            "  (TIMESCALE 1 ps)\n",
+            supply, temperature);
     put_arcs(out, arcs, arc);
     fputs(")\n", out);
   }

@@ -21,7 +21,7 @@ static const char library_text[] =
 
 static const char circuit_text[] =
     "module top (a, z);\n input a;\n output z;\n wire n;\n"
-    " INV U1 (.A(a), .Y(n));\n INV \\U2.x (.A(n), .Y(z));\nendmodule\n";
+    " INV U1 (.A(a), .Y(n));\n INV \\2/U$[3].x (.A(n), .Y(z));\nendmodule\n";
 
 static const char script_text[] =
     "read_liberty l.lib\nread_verilog top.v\nlink_design top\n"
@@ -41,7 +41,7 @@ static void test_opensta(void) {
   const double none[] = {NAN, NAN, NAN};
   eda_sdf_arc arc[] = {
       {"INV", "U1", "A", "Y", {{11, 13, 17.25}, {20, 30, 41.5}}},
-      {"INV", "U2.x", "A", "Y", {{5, 6, 7.125}, {100, 200, 301}}}};
+      {"INV", "2/U$[3].x", "A", "Y", {{5, 6, 7.125}, {100, 200, 301}}}};
   g_autofree char *there = g_find_program_in_path("sta");
   opc_error error = {0};
   if (!there) {
@@ -59,7 +59,7 @@ static void test_opensta(void) {
   g_autofree char *words = NULL;
   g_assert_true(g_spawn_sync(folder, (char **)argv, NULL, G_SPAWN_SEARCH_PATH,
                              NULL, NULL, &out, &words, NULL, NULL));
-  /* Output z rises: U1 falls, then U2.x rises; and the reverse. */
+  /* Output z rises: U1 falls, then 2/U$[3].x rises; and the reverse. */
   const double want[] = {11 + 100, 20 + 5, 17.25 + 301, 41.5 + 7.125};
   const char *at = out;
   for (int k = 0; k < 4; k++) {
@@ -84,6 +84,12 @@ static void test_opensta(void) {
     g_unlink(path);
   }
   g_rmdir(folder);
+  arc[0].delay[1][2] = INFINITY;
+  g_assert_cmpint(eda_sdf_write(sdf, "top", "test", 1, 27, 1, arc, &error), ==,
+                  OPC_FAILED);
+  g_assert_cmpstr(error.message, ==,
+                  "the delay of 'U1' from 'A' to 'Y' is not finite");
+  arc[0].delay[1][2] = 41.5;
   g_assert_cmpint(
       eda_sdf_write("/nowhere/x.sdf", "top", "test", 1, 27, 1, arc, &error), ==,
       OPC_IO);

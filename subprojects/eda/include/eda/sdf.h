@@ -16,7 +16,8 @@ typedef struct eda_sdf_arc {
 
 /* Write an SDF file. `program`: name of the program and origin of the delays.
    `supply` in V, `temperature` in C. Adjacent arcs of one output of an instance
-   form one entry. Return OPC_OK, or OPC_IO and *error. [any] */
+   form one entry. Return OPC_OK; or OPC_IO, or OPC_FAILED if a delay is not
+   finite, and *error. [any] */
 OPC_EXPORT int eda_sdf_write(const char *path, const char *design,
                              const char *program, double supply,
                              double temperature, size_t arcs,
