@@ -252,6 +252,26 @@ def test_failures(pya):
     assert job.process.returncode is not None and not os.path.exists(job.folder)
 
 
+def test_endings(pya):
+    """A program that crashes, ends without results, or cannot start, is reported."""
+    from opcflow_klayout import job as module
+    view, real = chip(pya), os.environ["OPCFLOW_COMMAND"]
+    fake = os.path.abspath("fake")
+    for last, expected in (("kill -SEGV $$", "crashed or was ended by another program (SIGSEGV)"),
+                           ("echo '{\"problems\": ['; kill -ABRT $$", "(SIGABRT)"),
+                           ("echo short of paper >&2; exit 7", "short of paper"),
+                           ("exit 7", "exit code 7"), (None, "fake' is not a program")):
+        with open(fake, "w") as f:
+            f.write("#!/bin/sh\n[ $1 = new ] && exec '%s' \"$@\"\n%s\n" % (real, last))
+        os.chmod(fake, 0o755 if last else 0o644)
+        os.environ["OPCFLOW_COMMAND"] = fake
+        try:
+            text = fails(pya, view, "own65")
+        finally:
+            os.environ["OPCFLOW_COMMAND"] = real
+        assert expected in text, (last, text)
+
+
 def execute(script, *options):
     """Execute a script by the real program, without a screen, and return the output."""
     with open("script.py", "w") as f:
@@ -285,7 +305,8 @@ def test_window(_):
     assert found[4] == "rows 8 views 2 databases 1 drawn [True, False]", found[0]
 
 
-TESTS = [test_cell, test_selection, test_shapes, test_scale, test_simulate, test_failures]
+TESTS = [test_cell, test_selection, test_shapes, test_scale, test_simulate, test_failures,
+         test_endings]
 
 
 def main():

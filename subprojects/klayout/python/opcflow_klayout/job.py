@@ -4,6 +4,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import tempfile
 
@@ -27,10 +28,24 @@ class Failed(RuntimeError):
 def program():
     """Return the path of the program: OPCFLOW_COMMAND, the program that was installed with this
     package, or the one in the PATH."""
-    for path in (os.environ.get("OPCFLOW_COMMAND"), INSTALLED, shutil.which("opcflow")):
-        if path and os.path.isfile(path):
+    chosen = os.environ.get("OPCFLOW_COMMAND")
+    for path in [chosen] if chosen else [INSTALLED, shutil.which("opcflow")]:
+        if path and os.path.isfile(path) and os.access(path, os.X_OK):
             return os.path.normpath(path)
+    if chosen:
+        raise Failed("OPCFLOW_COMMAND: '%s' is not a program." % chosen)
     raise Failed("The program opcflow is not in the PATH (set OPCFLOW_COMMAND).")
+
+
+def ending(code):
+    """Return how a process ended, from its exit code."""
+    if code >= 0:
+        return "opcflow ended with exit code %d." % code
+    try:
+        name = signal.Signals(-code).name
+    except ValueError:
+        name = "signal %d" % -code
+    return "opcflow crashed or was ended by another program (%s)." % name
 
 
 def ask(words, folder=None):
@@ -128,12 +143,16 @@ class Job:
         with self.output as f:
             f.seek(0)
             text = f.read()
-        self.document = json.loads(text) if text.strip() else {}
+        try:
+            self.document = json.loads(text) if text.strip() else {}
+        except ValueError:  # incomplete, because the process ended early
+            self.document = {}
         if self.cancelled:
             raise Failed("The run was cancelled.")
         if not os.path.isfile(os.path.join(self.folder, "manifest.json")) or code not in (0, 1):
             problems = [p["message"] for p in self.document.get("problems", ())]
-            raise Failed("\n".join(problems or self.messages or ["exit code %d" % code]))
+            said = problems or self.messages
+            raise Failed("\n".join([*said, *([] if said and code >= 0 else [ending(code)])]))
         return True
 
     def cancel(self):

@@ -63,7 +63,7 @@ class Window(pya.QDialog):
         try:
             for name in processes():
                 self.process.addItem(name)
-        except Failed as failure:
+        except (OSError, RuntimeError) as failure:
             self.label.setText(str(failure))
 
     def start_or_cancel(self, *_):
@@ -91,12 +91,13 @@ class Window(pya.QDialog):
             return
         objects = [] if self.shapes.currentIndex else [
             o for o in self.view.each_object_selected() if o.cv_index == cellview.index()]
-        self.place = tempfile.TemporaryDirectory(prefix="opcflow-klayout-")
-        file = os.path.join(self.place.name, re.sub(r"[^\w.-]", "_", cellview.cell.name) + ".gds")
+        name = re.sub(r"[^\w.-]", "_", cellview.cell.name) + ".gds"
         try:
+            self.place = tempfile.TemporaryDirectory(prefix="opcflow-klayout-")
+            file = os.path.join(self.place.name, name)
             cells.write(cellview, file, objects)
             self.job = Job(file, self.process.currentText, simulate=self.action.currentIndex == 1)
-        except Failed as failure:
+        except (OSError, RuntimeError) as failure:
             self.label.setText(str(failure))
             return
         self.button.setText("Cancel")
