@@ -234,8 +234,8 @@ static double report_slices(const window *w) {
     w->host->log(w->host, OPC_LOG_FINDING,
                  "%.0f of %.0f slices, in %.0f transistors, are shorter than "
                  "the device model covers: the shortest is %.1f nm long, its "
-                 "model begins at %g nm; currents of these slices are "
-                 "extrapolated",
+                 "model begins at %g nm; the device table extrapolates the "
+                 "model for these slices",
                  p->short_slices, p->slices, p->short_gates, p->shortest,
                  p->modelled);
   return most;
