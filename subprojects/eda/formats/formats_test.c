@@ -78,6 +78,15 @@ static void test_cut(void) {
   g_assert_cmpuint(s.n, >=, n / 40);
   take.most = 3; /* boxes cannot be divided into triangles */
   g_assert_cmpint(eda_polygon_cut(p, n, &take, &e), ==, OPC_FAILED);
+  /* A part may have 4/5 of the points, also of 9 points: 7. */
+  const eda_point nine[] = {{0, 4},  {2, 1},  {5, 0},  {8, 1}, {11, 4},
+                            {11, 7}, {8, 11}, {4, 11}, {0, 8}};
+  s = (sum){0};
+  take.most = 8;
+  g_assert_cmpint(eda_polygon_cut(nine, G_N_ELEMENTS(nine), &take, &e), ==,
+                  OPC_OK);
+  g_assert_cmpuint(s.n, ==, 2);
+  g_assert_cmpuint(s.most, <=, 7);
 }
 
 /* Test an island within a ring, each with a hole, and a plain box. */

@@ -73,15 +73,16 @@ static size_t larger_half(const piece *const half[2]) {
   return half[0]->n > half[1]->n ? half[0]->n : half[1]->n;
 }
 
-/* Divide a polygon in two. Return 0 if no line yields two parts that each have
-   at most 4/5 of the points. */
+/* Divide a polygon in two by the vertical or the horizontal line near the
+   median, by the line whose larger part has fewer points. Return 0 if with both
+   lines a part has more than 4/5 of the points. */
 static int piece_halve(const piece *p, piece *best[2]) {
   int32_t *values = eda_alloc(p->n, sizeof *values);
   for (int axis = 0; axis < 2; axis++) {
     int32_t at;
     if (!median(p, axis, values, &at)) continue;
     piece *half[2] = {piece_clip(p, axis, at, -1), piece_clip(p, axis, at, 1)};
-    if (larger_half((const piece *const *)half) <= p->n / 5 * 4 &&
+    if (larger_half((const piece *const *)half) <= p->n * 4 / 5 &&
         (!best[0] || larger_half((const piece *const *)half) <
                          larger_half((const piece *const *)best)))
       for (int i = 0; i < 2; i++) {
