@@ -50,8 +50,9 @@ gboolean cli_is_written(void);
 /* ---- options ---- */
 
 /* An option of a command line. One of `flag`, `text` and `list` is the address
-   of a variable that receives the value. If the option is not used, *list (read
-   by cli_list) is NULL. */
+   of a variable that receives the value; initialise the variable. Arguments are
+   not copied. Read *list by cli_list; it stays NULL if the option is not used,
+   otherwise the caller frees the array. */
 typedef struct cli_option {
   const char *name;     /* without dashes; NULL ends a table of options */
   const char *help;     /* one line for --help */
@@ -73,5 +74,6 @@ gboolean cli_take_option(const cli_option *const *tables, const char *verb,
 void cli_print_pair(const char *name, const char *value, const char *summary);
 void cli_print_options(const cli_option *options);
 
-/* Return the values of a list option, NULL-terminated. */
+/* Return the values of a list option, NULL-terminated: the array of `list`,
+   which the function terminates, or an empty list if `list` is NULL. */
 const char *const *cli_list(GPtrArray *list);

@@ -20,14 +20,16 @@ typedef struct opc_findings {
   size_t more;     /* number of findings not kept, repetitions included */
 } opc_findings;
 
-/* Initialise and clear a list. */
+/* opc_findings_init: initialise *findings, whose `more` must be 0.
+   opc_findings_clear: free the findings. */
 void opc_findings_init(opc_findings *findings);
 void opc_findings_clear(opc_findings *findings);
 
-/* Add a finding unless an equal one is present. */
+/* Add a finding with copies of the texts, unless an equal one is present. */
 void opc_findings_add(opc_findings *findings, size_t point, const char *path,
                       const char *text);
 
 /* Return one line for each finding, "step: text" or "point 3: step: text", and
-   the number of findings not kept (char *, freed with the array). */
+   the number of findings not kept (char *, freed with the array; the
+   caller frees the array). */
 GPtrArray *opc_findings_lines(const opc_findings *findings);

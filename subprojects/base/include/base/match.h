@@ -5,13 +5,15 @@
 #include <base/node.h>
 
 /* Values of a key in one layer (layers.h). The functions below add no text
-   twice. */
+   twice. The list owns its elements. */
 typedef struct opc_values {
   GPtrArray *nodes; /* opc_node * */
-  GPtrArray *stars; /* char *, part of each text that matched the star, or "" */
+  GPtrArray *stars; /* char *, for each node: part of its text that matched the
+                       star, or "" */
 } opc_values;
 
-/* Initialise and clear a list. */
+/* opc_values_init: initialise an empty list. opc_values_clear: free the
+   elements. */
 void opc_values_init(opc_values *v);
 void opc_values_clear(opc_values *v);
 
@@ -20,7 +22,8 @@ void opc_values_clear(opc_values *v);
    compared. */
 void opc_values_remove(opc_values *v, const char *pattern, gboolean files);
 
-/* Add the values that match the pattern of a node. opc_match_files: the
+/* Add the values that match the pattern of a node, which must be a text.
+   opc_match_files: the
    absolute paths of all matching files. opc_pair_file: the absolute path of the
    file with `star` in place of each star of the pattern. opc_match_choices: the
    matching entries of `list` (char *). If nothing matches, add a problem and

@@ -25,8 +25,9 @@ typedef struct opc_problems {
   GPtrArray *list; /* opc_problem *, in the order of their discovery */
 } opc_problems;
 
-/* Return an empty list; free a list with its problems. */
+/* Return an empty list (opc_problems_free). */
 opc_problems *opc_problems_new(void);
+/* Free a list with its problems (NULL: do nothing). */
 void opc_problems_free(opc_problems *problems);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(opc_problems, opc_problems_free)
 

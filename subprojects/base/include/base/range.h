@@ -17,12 +17,14 @@ gboolean opc_quantity_read(const opc_node *node, const char *given,
                            opc_problems *problems);
 
 /* Return the values of "{ from: A, to: B, step: C }" in the unit of A, as texts
-   of `source` with 12 digits (opc_node *, freed with the array). If the range
-   is not valid or does not end at B, add problems and return an empty list. */
+   of `source` with 12 digits (opc_node *, freed with the array; the caller
+   frees the array). If the range is not valid or does not end at B, add
+   problems and return an empty list. */
 GPtrArray *opc_range_values(const opc_node *range, const opc_source *source,
                             opc_problems *problems);
 
-/* Return the numbers in nodes (g_free) and their unit in *unit, NULL for plain
+/* Return the numbers in nodes (opc_node *), one for each (g_free). *unit
+   receives their unit, a part of the first node's text, or NULL for plain
    numbers. Return NULL if a node has no number or an unknown unit, or if the
    units differ. */
 double *opc_range_numbers(const GPtrArray *nodes, const char **unit);

@@ -7,12 +7,13 @@
 
 /* A table of texts. */
 typedef struct opc_sheet {
-  size_t n;             /* columns */
-  gboolean *left;       /* [n], TRUE for left-aligned texts, FALSE for
-                           numbers */
-  GPtrArray *cells;     /* char *, row by row; the first row is the head */
-  size_t rows, *widths; /* number of rows with the head, and widths of the
-                           columns; set by the functions below */
+  size_t n;         /* columns */
+  gboolean *left;   /* [n], TRUE for left-aligned texts, FALSE for numbers */
+  GPtrArray *cells; /* char *, owned by the array, row by row; the first row is
+                       the head */
+  /* Set by the functions below: */
+  size_t rows;    /* number of rows, including the head */
+  size_t *widths; /* [n], width of each column, characters */
 } opc_sheet;
 
 /* Return an empty table; the caller fills `left` and `cells`. [any] */

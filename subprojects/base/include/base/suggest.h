@@ -12,7 +12,7 @@ unsigned opc_edit_distance(const char *a, const char *b);
 /* Return the first of the nearest `words` (const char *) by edit distance;
    words that differ only in case are equal. NULL if the distance exceeds a
    third of the word's length (1 for words of fewer than six bytes), or if no
-   letter is common. */
+   letter is common. The returned word is an element of `words`, not a copy. */
 const char *opc_nearest(const char *word, const GPtrArray *words);
 
 /* Return ", did you mean 'x'?" or "" (g_free) for an id. For an id with a dot,

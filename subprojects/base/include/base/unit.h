@@ -7,7 +7,8 @@
 /* A unit of measure. */
 typedef struct opc_unit opc_unit;
 
-/* Return a unit by name, NULL if unknown. */
+/* Return a unit by name, NULL if unknown. Units are constant; do not free
+   them. */
 const opc_unit *opc_unit_find(const char *name);
 
 /* Return the name of a unit's quantity, such as "a length"; the same pointer
@@ -18,7 +19,8 @@ const char *opc_unit_noun(const opc_unit *unit);
    for temperatures. */
 int opc_unit_shares_zero(const opc_unit *unit);
 
-/* Return the names of all units (const char *), for suggestions. */
+/* Return the names of all units, for suggestions (const char *, not owned by
+   the array; the caller frees the array). */
 GPtrArray *opc_unit_names(void);
 
 /* Return the length of the number at the start of `text` ("12", "-.5", "1e-9"),

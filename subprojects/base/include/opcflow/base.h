@@ -46,17 +46,17 @@ enum {
   OPC_FAILED = 2,    /* the operation failed: exit 4 */
   OPC_IO = 3,        /* a file could not be read or written: exit 5 */
   OPC_NO_PLUGIN = 4, /* a plugin is missing or incompatible: exit 3 */
-  OPC_LIMIT = 5,     /* a required limit is exceeded: exit 1 */
+  OPC_LIMIT = 5,     /* a result does not meet a requirement: exit 1 */
   OPC_CANCELLED = 6  /* stopped by the user: exit 130 */
 };
 
-/* Description of a failure. A function that can fail returns one of the codes
-   above and, on failure, fills its last argument, an `opc_error *` other than
-   NULL. `parameter` is the name of the parameter at fault, or empty. */
+/* Description of a failure. A function whose last argument is an `opc_error *`
+   can fail. The function returns one of the codes above, or a pointer that is
+   NULL on failure, and then fills *error. The argument must not be NULL. */
 typedef struct opc_error {
-  int32_t code; /* OPC_INVALID ... */
-  char parameter[64];
-  char message[956]; /* fault, place, found and expected value */
+  int32_t code;       /* OPC_INVALID ... */
+  char parameter[64]; /* name of the parameter at fault, or empty */
+  char message[956];  /* fault, place, found and expected value */
 } opc_error;
 
 /* Fill *error and return `code`: `return opc_fail(error, OPC_FAILED, NULL,
@@ -74,8 +74,10 @@ OPC_UNUSED OPC_PRINTF(4, 5) static int opc_fail(opc_error *error, int code,
   return code;
 }
 
-/* Services of the program for a library: threads and cancellation. A NULL
-   context means one thread and no cancellation. All functions are [any]. */
+/* Services that the program provides to the libraries and plugins that it
+   calls: threads, cancellation, and the attribution of crashes to plugins. A
+   NULL context means one thread and no cancellation. All functions are [any].
+ */
 typedef struct opc_context opc_context;
 struct opc_context {
   /* Call task(data, i) for each i below n, from several threads at once; return
@@ -123,10 +125,11 @@ OPC_UNUSED static inline void opc_leave(const opc_context *context,
   if (context) context->leave(context, before);
 }
 
-/* An object with its functions: a struct of function pointers, declared by the
-   header of a plugin kind. Each function receives `self` first. */
+/* An instance of a plugin, together with the functions that act on the
+   instance. The header of a plugin kind declares these functions as a struct of
+   function pointers. Pass `self` as the first argument of each. */
 typedef struct opc_module {
-  const void *functions; /* struct of functions of the kind of plugin */
+  const void *functions; /* struct of the kind, such as eda_litho */
   void *self;            /* instance of the plugin */
   const char *id;        /* id of the plugin: "litho.hopkins" */
 } opc_module;

@@ -12,12 +12,13 @@ OPC_C_BEGIN
    Lengths and widths in nm. The slices of a gate that does not print have
    length 0. */
 typedef struct eda_slices {
-  size_t count, slices;
-  const uint8_t *type; /* of each gate: EDA_NMOS, EDA_PMOS */
-  const double *width; /* of each slice */
-  const double *length;
-  const double *edge; /* distance from the middle of the slice to the nearer
-                         active edge */
+  size_t count;         /* number of gates */
+  size_t slices;        /* number of slices per gate */
+  const uint8_t *type;  /* of each gate: EDA_NMOS, EDA_PMOS */
+  const double *width;  /* of each slice, along W */
+  const double *length; /* of each slice, along L */
+  const double *edge;   /* distance from the middle of the slice to the nearer
+                           active edge */
   /* Flavour of each gate (eda/gates.h), NULL for a gate without flavour. The
      array is NULL if no gate has a flavour. `extract` fails for a flavour
      without device table. Since 0.6. */
@@ -27,9 +28,10 @@ typedef struct eda_slices {
 /* A printed gate before slicing. */
 typedef struct eda_printed_gate eda_printed_gate;
 struct eda_printed_gate {
-  uint8_t type;                       /* EDA_NMOS, EDA_PMOS */
-  double design_length, design_width; /* nm */
-  double width;                       /* printed, nm */
+  uint8_t type;         /* EDA_NMOS, EDA_PMOS */
+  double design_length; /* drawn L, nm */
+  double design_width;  /* drawn W, nm */
+  double width;         /* printed W, nm */
   /* Extension of the printed poly past the printed active, nm, at the LOW and
      HIGH end along W; INFINITY where the poly continues. */
   double extension[2];

@@ -19,8 +19,9 @@ typedef struct eda_litho {
      0: not yet known; the function is also called before `prepare`. [any] */
   double (*band)(const void *self);
 
-  /* Compute the intensity of the mask of a layer; `layer`: number
-     (EDA_POLY, ...). The caller clears *out. [any] */
+  /* Compute the intensity of a mask, relative to the clear field, into *out.
+     `mask`: spectrum of the mask of layer number `layer` (EDA_POLY, ...). The
+     caller clears *out (eda_field_clear). [any] */
   int (*image)(const void *self, int layer, const eda_spectrum *mask,
                eda_field *out, opc_error *error);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* OASIS (SEMI P39): record numbers, and a writer. [main]: opcflow/plugin.h. */
+/* OASIS (SEMI P39): record numbers, and a writer. */
 #pragma once
 
 #include <eda/formats.h>
@@ -72,14 +72,19 @@ enum { EDA_OASIS_INSTANCE_NAME = 61 };
 
 /* ---- writing ---------------------------------------------------------- */
 
-/* A writer of an OASIS file. Numbers and strings are collected into compressed
-   blocks; equal shapes are combined into repetitions. The caller detects write
-   errors when closing the file. All functions are [main] for one writer. */
+/* A writer of numbers, strings and shapes to an OASIS file. Bytes are collected
+   into compressed blocks; equal shapes are combined into repetitions. The
+   caller writes all records except those of shapes: EDA_OASIS_MAGIC, START,
+   cells, names and END. The caller detects write errors when closing the file.
+   Use a writer from one thread at a time; several writers are independent. */
 typedef struct eda_oasis eda_oasis;
 
-/* Return a new writer. If `file` is NULL, bytes are only counted. */
+/* Return a new writer (eda_oasis_free). If `file` is NULL, bytes are only
+   counted. The file must outlive the writer. */
 OPC_EXPORT eda_oasis *eda_oasis_new(FILE *file);
-/* Free a writer (NULL: do nothing); the file stays open. */
+/* Free a writer (NULL: do nothing). Collected shapes and bytes are discarded:
+   call eda_oasis_end_shapes and eda_oasis_end_block first. The file stays open.
+ */
 OPC_EXPORT void eda_oasis_free(eda_oasis *out);
 
 /* eda_oasis_place: return the number of bytes written to the file.
@@ -99,18 +104,23 @@ OPC_EXPORT void eda_oasis_delta(eda_oasis *out, int64_t x, int64_t y);
 /* Write a string: its length, then its bytes. */
 OPC_EXPORT void eda_oasis_string(eda_oasis *out, const char *text);
 
-/* End a record and start a new block if the current one is long enough. */
+/* Call at the end of a record: write the collected bytes as a block if there
+   are at least 2^20 of them. */
 OPC_EXPORT void eda_oasis_end_record(eda_oasis *out);
 /* Write the collected bytes to the file. eda_oasis_end_block compresses the
    bytes if the result is shorter; eda_oasis_end_plain never does. */
 OPC_EXPORT void eda_oasis_end_block(eda_oasis *out);
 OPC_EXPORT void eda_oasis_end_plain(eda_oasis *out);
 
-/* Collect a polygon of a cell. Pass all polygons of one layer before those of
-   the next layer. */
+/* Collect a polygon of a cell: n >= 3 points; the polygon is closed, and the
+   first point is not repeated at the end. The points are copied. If the layer
+   differs from that of the last polygon, the collected shapes are written
+   first; therefore pass the polygons of a layer together. */
 OPC_EXPORT void eda_oasis_polygon(eda_oasis *out, eda_layer_number layer,
                                   const eda_point *points, size_t n);
-/* Write the collected shapes. Call this before any other record of the cell. */
+/* Write the records of the collected shapes into the current block. Call this
+   after the last polygon of a cell, and before writing another record between
+   the polygons, such as a text or a placement. */
 OPC_EXPORT void eda_oasis_end_shapes(eda_oasis *out);
 
 OPC_C_END

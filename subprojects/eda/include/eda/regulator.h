@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kind "regulator": enforces design rules on the printed contours in the
-   correction loop. A veto forbids the synthesizer a direction of a gate's
-   biases. Kind, [main]: see opcflow/plugin.h. */
+   correction loop. A veto forbids the synthesizer to change the bias of L or
+   W of a gate in one direction. Kind, [main]: see opcflow/plugin.h. */
 #pragma once
 
 #include <eda/synthesizer.h>
@@ -9,44 +9,54 @@
 OPC_C_BEGIN
 
 /* Input of a regulator: the simulation of one iteration of the loop. Arrays
-   without a stated length have one element for each gate. */
+   have one element for each gate. [layers]: one element for each of the
+   gates->layers layers. [2 * i + side]: two elements for gate i; side 0 is the
+   line end at the LOW end of W, side 1 that at the HIGH end. */
 typedef struct eda_printed {
   uint32_t iteration;
   const eda_gates *gates;
   const uint32_t *flags; /* EDA_PRINT_* */
   const int32_t *l, *w;  /* biases of the simulated mask (eda_moves) */
   /* Extension of the printed poly beyond the printed active, nm, [2 * i +
-     side]; negative if the poly ends within the active; INFINITY: no end. */
+     side]; negative if the poly ends within the active; INFINITY if the poly
+     has no line end there. */
   const double *extension;
   const eda_shapes *shapes; /* [layers]: the simulated mask, merged, in grid
                                units of the gates */
   const eda_field *print;   /* [layers]: level sets, positive where the resist
                                prints */
 
-  /* Requests of the synthesizer, nm, [2 * i + side]: extension of the printed
-     line end beyond the active; additional width of a hammerhead on each side.
-     The regulator applies the larger of a request and its own parameter, within
-     its rules. NULL: no request. Since 0.2. */
+  /* Requests of the synthesizer, nm, [2 * i + side]. `want_extension`:
+     extension of the printed line end beyond the active. `want_head`: widening
+     of the line end on each of its two flanks (hammerhead). The regulator
+     applies the larger of a request and its own parameter, within its rules.
+     NULL: no request. Since 0.2. */
   const double *want_extension, *want_head;
 
   /* eda_moves.aside of the simulated mask. NULL: all 0. Since 0.5. */
   const int32_t *aside;
 
-  /* Scanner, for default lengths (natural.h). Since 0.7. */
+  /* Wavelength and numerical aperture of the litho model, from which default
+     lengths of parameters follow (natural.h). Since 0.7. */
   eda_scanner scanner;
 } eda_printed;
 
-/* Result of a regulator. vetoes[i]: EDA_VETO_* of gate i, zeroed on entry.
-   end[2 * i + side]: biases of the line ends, grid steps, outwards positive; on
-   entry those of the simulated mask. */
+/* Result of a regulator, for the next mask. */
 typedef struct eda_ruling {
-  uint32_t *vetoes;
+  uint32_t *vetoes; /* EDA_VETO_* of each gate; 0 on entry */
+  /* [2 * i + side], as in eda_printed: biases of the line ends, grid steps,
+     positive outwards; on entry those of the simulated mask. */
   int32_t *end;
   size_t transistors; /* number of transistors that print without a failure */
-  /* [layers]: all rectangles added to the next mask, in grid units, for example
-     to enlarge the enclosure of a contact; all rectangles cut out afterwards.
-     Empty on entry; the regulator owns them until its next call. */
-  eda_boxes *added, *cutouts;
+  /* [layers]: rectangles that are added to the shapes of the next mask, in grid
+     units, for example to enlarge the enclosure of a contact. The lists are
+     complete: a rectangle of the simulated mask that is not listed disappears.
+     Empty on entry; the regulator keeps the rectangles valid until its next
+     call. */
+  eda_boxes *added;
+  /* As `added`: rectangles that are removed from the next mask, after `added`
+     has been added. */
+  eda_boxes *cutouts;
 } eda_ruling;
 
 /* Functions of a regulator. */

@@ -25,10 +25,11 @@ enum {
   EDA_RULES /* number of rules */
 };
 
-/* Violation of a rule (EDA_RULE_*): position and measured value, nm. */
+/* Violation of a rule. */
 typedef struct eda_rule_fault {
-  int rule;
-  double x, y, value;
+  int rule;     /* EDA_RULE_* */
+  double x, y;  /* position, nm */
+  double value; /* measured value, below the limit of the rule, nm */
 } eda_rule_fault;
 
 /* Find all violations of the rules in merged rectilinear shapes (units of

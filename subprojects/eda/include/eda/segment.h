@@ -21,13 +21,17 @@ OPC_C_BEGIN
    except `grid`. */
 typedef struct eda_segment_settings {
   double grid; /* nm, > 0: the mask grid */
-  /* As the parameters of EDA_SEGMENT_PARAMETERS, nm, >= 0; NAN: their defaults,
-     which depend on the length of each gate. */
-  double overhang, line_end;
-  /* Further layers, without transistors: two texts for each, name in eda_gates
-     and name in the layout. */
+  /* Length beyond the active in which edges of a continuing poly belong to the
+     transistor, nm, >= 0; NAN: the default of EDA_SEGMENT_PARAMETERS, which
+     depends on the length of each gate. */
+  double overhang;
+  /* Largest distance from the active to a poly end that is the line end of the
+     transistor, nm, >= 0; NAN: as for `overhang`. */
+  double line_end;
+  /* Further layers, without transistors. For layer k, also[2 * k] is the name
+     in eda_gates and also[2 * k + 1] the name in the layout. */
   const char *const *also;
-  size_t also_count;
+  size_t also_count; /* number of further layers */
   /* For windows. 1: set eda_gates.instance and .cell, and name the cell in
      errors of notes; 0: set both to "" to save memory. eda_gates.number is 0 in
      windows, because a window may contain only a part of an instance. */
@@ -36,11 +40,12 @@ typedef struct eda_segment_settings {
      on the calling thread. */
   void (*log)(void *data, int warning, const char *message);
   void *data;
-  /* Flavours of transistors (eda/gates.h): two texts for each, name and marker
-     layers in the layout, separated by blanks. All marker layers of a flavour
-     must cover the gate. Since 0.6. */
+  /* Flavours of transistors (eda/gates.h). For flavour k, flavours[2 * k] is
+     the name, and flavours[2 * k + 1] the names of its marker layers in the
+     layout, separated by blanks. All marker layers of a flavour must cover the
+     gate. Since 0.6. */
   const char *const *flavours;
-  size_t flavour_count;
+  size_t flavour_count; /* number of flavours */
 } eda_segment_settings;
 
 /* Rounding of all layers to the grid. */

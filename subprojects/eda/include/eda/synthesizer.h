@@ -25,10 +25,10 @@ enum {
 typedef struct eda_feedback {
   uint32_t iteration; /* 0: the drawn mask */
   const eda_gates *gates;
-  const eda_performance *design,
-      *printed;           /* figures as drawn, and as printed */
-  const uint32_t *flags;  /* EDA_PRINT_* */
-  const uint32_t *vetoes; /* EDA_VETO_* */
+  const eda_performance *design;  /* figures of the drawn gates */
+  const eda_performance *printed; /* figures of the printed gates */
+  const uint32_t *flags;          /* EDA_PRINT_* */
+  const uint32_t *vetoes;         /* EDA_VETO_* */
 
   /* [layers]: edge placement errors of the fragments returned by `cut`, nm
      along the outward normal, positive where the printed shape is too large;
@@ -36,15 +36,18 @@ typedef struct eda_feedback {
      193 nm, NA 0.75). NULL for a layer without such fragments. */
   const double *const *epe;
 
-  /* Biases of the line ends of the simulated mask and of the next mask, set by
-     the regulator (eda_ruling.end), grid steps. */
-  const int32_t *end, *next_end;
+  /* Biases of the line ends of the simulated mask, grid steps, [2 * i + side]
+     for gate i (eda_ruling.end). */
+  const int32_t *end;
+  /* As `end`, of the next mask: set by the regulator after the simulation. */
+  const int32_t *next_end;
 
   /* [layers]: level sets of the simulated contours, positive where the resist
      prints. NULL without simulation. */
   const eda_field *print;
 
-  /* Scanner, for default lengths (natural.h). Since 0.7. */
+  /* Wavelength and numerical aperture of the litho model, from which default
+     lengths of parameters follow (natural.h). Since 0.7. */
   eda_scanner scanner;
 
   /* Largest |Ion deviation| that the step allows, %; NULL: unknown. A
@@ -68,10 +71,12 @@ OPC_UNUSED static inline void eda_follow_ion_limit(const eda_feedback *feedback,
 /* Biases of the mask of each gate relative to the drawn shapes, grid steps. On
    entry those of the simulated mask; the synthesizer writes the next ones. */
 typedef struct eda_moves {
-  /* `l`: bias of the length (both sides of the poly together); `w`: bias of the
-     width (both sides of the active together). For an odd bias the HIGH side
-     moves one step more than the LOW side. */
-  int32_t *l, *w;
+  /* Bias of the length: sum of the outward displacements of both sides of the
+     poly. For an odd bias the HIGH side moves one step more than the LOW side.
+   */
+  int32_t *l;
+  /* Bias of the width: the same for both sides of the active. */
+  int32_t *w;
 
   /* Length of a jog, grid steps along W from the LOW end of the fragment
      (gates->edges). Over this length, one poly edge is one step further out:
