@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Implements the line and pitch of the shortest gates of a layout. */
+/* Finds the length of the shortest gates of a layout, and their pitch. */
 #include "drawn.h"
 
 #include <eda/index.h>
@@ -10,9 +10,9 @@
 /* Largest space between neighbours, nm; equal to `isolation` of calibrate.c. */
 static const double reach = 4000;
 
-/* Assumed ratio of pitch to line if all gates are isolated. Processes have
-   ratios of 2.4 (130 nm at 310), 2.9 (150 at 430), 3.8 (65 at 250, 90 at 342).
- */
+/* Assumed ratio of pitch to line if all gates are isolated. Line and pitch of
+   the processes in flows/processes: 130 and 310 nm (ratio 2.4), 150 and 430 nm
+   (2.9), 65 and 250 nm (3.8), 50 and 190 nm (3.8). */
 static const double lines_in_pitch = 3;
 
 /* Return the box of a gate, transposed so that its length is along x. */
@@ -21,9 +21,11 @@ static eda_box gate_turned(const eda_gates *g, size_t i) {
   return g->axis[i] == EDA_X ? b : (eda_box){b.y0, b.x0, b.y1, b.x1};
 }
 
-/* Return twice the distance between the centres of gate i and of the next gate
-   along its length, in grid steps. Return 0 if there is no next gate within
-   `reach`, or if the next gate is longer than `most` nm. */
+/* Return twice the distance, in grid steps, between the centres of gate i and
+   of the nearest gate on its HIGH side along L. A centre may be between two
+   grid points, hence twice. Only gates of the same axis, at least partly beside
+   gate i, count. Return 0 if there is none within `reach`, or if the nearest
+   gate is longer than `most` nm. */
 static int64_t pitch_of(const eda_gates *g, const eda_index *index, size_t i,
                         double most) {
   eda_box own = gate_turned(g, i), window = own;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reads transistors with known currents, and computes their currents by slicing
-   without gamma. */
+/* Reads transistors with known currents, and computes the current of each slice
+   as if all weights gamma were 1. */
 #include <eda/csv.h>
 #include <eda/memory.h>
 #include <glib.h>
@@ -69,7 +69,8 @@ static void transistor_slice(transistor *t, const eda_curves *table) {
   }
 }
 
-/* Read the currents of all widths of a device table as rectangles. */
+/* Add the transistors of a device table, one for each type, width and length:
+   rectangles with the currents of the table. */
 static int read_table(const char *path, const eda_curves *table, reference *out,
                       opc_error *error) {
   eda_devices *d = eda_devices_read(path, error);

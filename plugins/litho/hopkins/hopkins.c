@@ -16,16 +16,17 @@
 
 enum {
   CUTS = 256,
-  ALL = 600, /* largest number of kernels; more kernels change images by 1e-5
-                only */
-  /* Largest number of listed source points. Kernels of 300 points take 10 s;
-     the time grows with the square of the number. All other sources are sampled
-     by 400 points. */
+  /* Largest number of kernels that `error` selects; further kernels change
+     images by 1e-5 only. The parameter `kernels` may be larger. */
+  ALL = 600,
+  /* Largest number of images of a listed source: points times images per point
+     (vector_parts). Kernels of 300 images take 10 s; the time grows with the
+     square of the number. */
   MOST_LISTED = 800
 };
 
-/* The kernels to which T is truncated (`cut`), for one defocus and one
-   requested error. */
+/* A truncation of the sum of kernels: the kernels that are used for one defocus
+   and one requested error. */
 typedef struct cut {
   double defocus; /* nm */
   double wanted;  /* requested error, relative to the clear field */
@@ -42,8 +43,9 @@ typedef struct hopkins {
   double wanted;
   int wanted_given;
   int64_t fixed;
-  /* Elements of `cuts` are added at the first request, the first element by
-     `prepare`. They never change or move; the lock protects additions. */
+  /* A truncation is added when an image needs it for the first time, the first
+     one by `prepare`. Added elements of `cuts` do not change. The lock protects
+     additions. */
   pthread_mutex_t lock;
   cut cuts[CUTS];
   size_t n_cuts;
@@ -60,9 +62,9 @@ static double hopkins_band(const void *self) {
   return (1 + optics_source_radius(&h->optics)) * h->optics.cutoff;
 }
 
-/* Return the grid spacing, nm, for four samples per shortest period of the
-   intensity: 32 nm at 193 nm, NA 0.75, where contours deviate by 0.0015 nm; 41
-   nm at 248 nm, NA 0.7. */
+/* Return the grid spacing, nm: four samples per shortest period of the
+   intensity, 32 nm at 193 nm, NA 0.75, and 44 nm at 248 nm, NA 0.7. At 193 nm,
+   the interpolation between samples moves contours by 0.0015 nm. */
 static double step_of(const hopkins *h) {
   return 32 * (0.75 / 193) / h->optics.cutoff;
 }
@@ -215,7 +217,9 @@ static int cut_make_kernels(const hopkins *h, cut *c, opc_error *error) {
   return code;
 }
 
-/* Set c->kernels to kernels of the cache, or compute them. */
+/* Set c->kernels to kernels of the cache; compute the kernels if they are not
+   in the cache. Only kernels of radial optics without Zernike terms are cached.
+ */
 static int cut_get_kernels(const hopkins *h, cut *c, opc_error *error) {
   const optics *o = &h->optics;
   if (!optics_is_radial(o) || o->zernike.count)
@@ -246,10 +250,10 @@ static int cut_get_kernels(const hopkins *h, cut *c, opc_error *error) {
   return OPC_OK;
 }
 
-/* Largest ratio of the error to the requested error without a warning, for
-   errors that steps request. Their requests are smaller than the error that
-   they need. For an error that the flow sets, the ratio is 1. The value is
-   tuned. */
+/* If a step requests an error, warn only of kernels whose error is more than
+   this multiple of the request: steps request a smaller error than they need.
+   If the flow sets the parameter `error`, the multiple is 1. Empirical value.
+ */
 static const double nearly = 2;
 
 static void cut_log(const hopkins *h, const cut *c) {
@@ -400,8 +404,9 @@ static void hopkins_clear(void *self) {
   pthread_mutex_destroy(&h->lock);
 }
 
-/* Compute an image by a temporary instance with the other optics. The cache
-   keeps the kernels of radial optics for the next call. */
+/* Compute an image by a temporary instance with the other optics. The kernels
+   of radial optics without Zernike terms stay in the cache for the next call;
+   other kernels are computed in each call. */
 static int hopkins_image_optics(const void *self, int layer,
                                 const eda_spectrum *mask, double na,
                                 double sigma, double defocus, double wanted,
