@@ -27,7 +27,8 @@ steps:
 # Executed by klayout: a run, a run that is cancelled, and a run that replaces the first one. Other
 # events are handled in the meantime.
 SCRIPT = """
-import os, pya, traceback
+import faulthandler, os, pya, traceback
+faulthandler.dump_traceback_later(120, exit=True)  # a window that hangs shows where
 main, events, texts, inside = pya.MainWindow.instance(), [], [], []
 main.load_layout("chip.gds", 1)
 def follow(*_):
