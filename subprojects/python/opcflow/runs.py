@@ -102,12 +102,20 @@ class Run:
         with open(self.path(name)) as f:
             return json.load(f)
 
+    def measured(self, part):
+        return {"%s.%s" % (step, name): m[part] for step, own in
+                self.json("metrics.json").items() if isinstance(own, dict)
+                for name, m in own.items() if isinstance(m, dict) and part in m}
+
     @property
     def metrics(self):
         """Values by STEP.METRIC."""
-        return {"%s.%s" % (step, name): m["value"] for step, own in
-                self.json("metrics.json").items() if isinstance(own, dict)
-                for name, m in own.items() if isinstance(m, dict) and "value" in m}
+        return self.measured("value")
+
+    @property
+    def units(self):
+        """Units of the metrics by STEP.METRIC, None for a number without unit."""
+        return self.measured("unit")
 
     @property
     def tables(self):
@@ -167,10 +175,12 @@ class Run:
         return {name: shapes.get((int(layer), int(kind)), []) for name, layer, kind in names}
 
     def _repr_html_(self):
-        rows = [(name, "%g" % value) for name, value in self.metrics.items()
+        units = self.units
+        rows = [(name, value, units[name] or "") for name, value in self.metrics.items()
                 if isinstance(value, (int, float))]
         faults = "".join("<p>%s</p>" % escape(p) for p in self.problems)
-        return "<h4>%s</h4>%s%s" % (escape(self.folder), faults, html(("metric", "value"), rows))
+        return "<h4>%s</h4>%s%s" % (escape(self.folder), faults,
+                                    html(("metric", "value", "unit"), rows))
 
 
 class Comparison:
@@ -197,7 +207,8 @@ def compare(*runs):
 def html(names, rows):
     """Return a table in HTML."""
     def line(cell, values):
-        return "<tr>%s</tr>" % "".join("<%s>%s</%s>" % (cell, escape(str(v)), cell) for v in values)
+        texts = ["%g" % v if isinstance(v, float) else str(v) for v in values]
+        return "<tr>%s</tr>" % "".join("<%s>%s</%s>" % (cell, escape(t), cell) for t in texts)
     return "<table>%s%s</table>" % (line("th", names), "".join(line("td", r) for r in rows))
 
 
