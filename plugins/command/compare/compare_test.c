@@ -159,6 +159,18 @@ static void test_transistors(void) {
       "seconds; too few cells for Ion (4 of 5)");
 }
 
+/* Test that the times of the steps decide, not those of the runs: the steps of
+   one of these runs were reused, and both runs took 1 s. */
+static void test_seconds(void) {
+  folder_make("slow",
+              (made_run){.more = "\"steps\" : { \"x\" : 6, \"y\" : 2 },"});
+  folder_make("fast",
+              (made_run){.more = "\"steps\" : { \"x\" : 3, \"y\" : 1 },"});
+  compare_good("{}", "slow", "fast");
+  g_assert_cmpstr(opc_test_text("verdicts", "verdict", 0), ==,
+                  "fast is better than slow in seconds by 50 % (1 case)");
+}
+
 static const char places_head[] =
     "transistor,cell,type,l (nm),w (nm),x (nm),y (nm),ion_after (%)";
 
@@ -309,6 +321,7 @@ static void test_refused(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/command.compare/verdicts", test_verdicts);
+  g_test_add_func("/command.compare/seconds", test_seconds);
   g_test_add_func("/command.compare/transistors", test_transistors);
   g_test_add_func("/command.compare/classes", test_classes);
   g_test_add_func("/command.compare/cases", test_cases);

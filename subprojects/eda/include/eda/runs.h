@@ -85,7 +85,8 @@ typedef struct eda_run_plugin {
                                         shared object */
 } eda_run_plugin;
 
-/* A step with its run time. */
+/* A step with its run time, s; for a reused result, the time of its
+   computation. */
 typedef struct eda_run_step {
   const char *name;
   double seconds;

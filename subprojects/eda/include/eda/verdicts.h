@@ -34,7 +34,8 @@ enum {
 /* Change of a figure from a base method to another. Ion, Ioff and area are
    absolute deviations from the drawn transistor, %, with changes in percentage
    points. Changes of shots and seconds are relative to the base method, %.
-   Other figures are counts. */
+   Seconds are the sum over the steps of a run; a reused result counts with the
+   time of its computation. Other figures are counts. */
 typedef struct eda_change {
   const char *name;   /* "ion" */
   const char *title;  /* "Ion" */
