@@ -282,7 +282,8 @@ def execute(script, *options):
                           stderr=subprocess.STDOUT, text=True,
                           env={**os.environ, "HOME": os.path.abspath("home"),
                                "CHIP": os.path.abspath("chip.gds"),
-                               "QT_QPA_PLATFORM": "offscreen", "PYTHONDONTWRITEBYTECODE": "1"})
+                               # freed memory has other values, so that its use is detected
+                               "MALLOC_PERTURB_": "208", "QT_QPA_PLATFORM": "offscreen", "PYTHONDONTWRITEBYTECODE": "1"})
     return done.stdout
 
 

@@ -140,10 +140,11 @@ class Window(pya.QDialog):
         self.table.clear()
         for row in results.rows:
             self.table.addTopLevelItem(pya.QTreeWidgetItem([row[name] for name in COLUMNS]))
-        if self.results:
-            self.results.hide(self.view)
         index = results.show(self.view)
         self.view.show_rdb(self.view.num_rdbs() - 1, index)
+        # KLayout 0.28 crashes if the database that its marker browser shows is removed.
+        if self.results:
+            self.results.hide(self.view)
         self.results, self.kept = results, self.place  # the files exist as long as the results
         return "\n".join([
             "%d transistors, |Ion deviation|: mean %.3g %%, largest %.3g %%" %
