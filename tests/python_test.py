@@ -14,8 +14,10 @@ import subprocess
 import sys
 import tempfile
 import time
-import traceback
 import zipfile
+
+sys.dont_write_bytecode = True
+import tap
 
 BUILD, SOURCE = os.environ["OPCFLOW_BUILD"], os.environ["OPCFLOW_SOURCE"]
 OPCFLOW = os.path.join(BUILD, "opcflow")
@@ -479,29 +481,16 @@ def main():
     tests = [test_same_mask, test_inspect, test_key, test_kills, test_time_limit,
              test_host_killed, test_lint, test_kit, test_network, test_ilt, test_new, test_description,
              test_runs, test_wheel, test_modules, test_mask_input]
-    print("1..%d" % len(tests))
-    if subprocess.run(["python3", "-c", "import numpy"], stderr=subprocess.DEVNULL).returncode:
-        for i, test in enumerate(tests):
-            print("ok %d %s # SKIP python3 has no NumPy" % (i + 1, test.__name__))
-        return 0
-    failed = 0
     with tempfile.TemporaryDirectory(prefix="opcflow-python-") as folder:
         os.chdir(folder)
         os.mkdir("plugins")
         write("plugins/test.slow.py", SLOW)
         write("flow.yaml", FLOW.replace("SOURCE", SOURCE))
-        for i, test in enumerate(tests):
-            try:
-                reason = test()
-                print("ok %d %s%s" % (i + 1, test.__name__, " # SKIP " + reason if reason else ""),
-                      flush=True)
-            except Exception:
-                failed += 1
-                print("not ok %d %s" % (i + 1, test.__name__))
-                print("".join("# %s\n" % line for line in traceback.format_exc().split("\n")),
-                      flush=True)
+        missing = subprocess.run(["python3", "-c", "import numpy"], stderr=subprocess.DEVNULL).returncode
+        failed = tap.run([(test.__name__, (lambda: "python3 has no NumPy") if missing else test)
+                          for test in tests])
         os.chdir("/")
-    return failed > 0
+    return failed
 
 
 sys.exit(main())

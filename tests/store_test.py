@@ -14,7 +14,9 @@ import subprocess
 import sys
 import tempfile
 import time
-import traceback
+
+sys.dont_write_bytecode = True
+import tap
 
 BUILD = os.environ["OPCFLOW_BUILD"]
 OPCFLOW = os.path.join(BUILD, "opcflow")
@@ -491,20 +493,10 @@ def main():
     os.chdir(home)
     os.environ["OPCFLOW_PLUGIN_PATH"] = os.path.join(BUILD, "tests")
     tests = [(n[5:], t) for n, t in globals().items() if n.startswith("test_") and n[5:].startswith(tuple(sys.argv[1:]) or "")]
-    print("1..%d" % len(tests))
-    bad = 0
-    for i, (name, test) in enumerate(tests):
-        fresh()
-        try:
-            test()
-            print("ok %d %s" % (i + 1, name), flush=True)
-        except Exception:
-            print("# " + traceback.format_exc().replace("\n", "\n# "))
-            print("not ok %d %s" % (i + 1, name), flush=True)
-            bad += 1
+    failed = tap.run(tests, fresh)
     os.chdir("/")
     shutil.rmtree(home)
-    return bad > 0
+    return failed
 
 
 sys.exit(main())

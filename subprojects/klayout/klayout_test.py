@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Test the KLayout package: the modules without a window by KLayout's Python module and by the
-program klayout, and the window by the program, if they are installed. The expected transistors, shapes and places
-are computed by KLayout from the drawn layout."""
+"""Test the KLayout package. KLayout's Python module and the program klayout execute the modules
+without a window; the program executes the window. Tests are skipped if these are not installed.
+KLayout computes the expected transistors, shapes and places from the drawn layout."""
 import os
 import re
 import shutil
@@ -10,12 +10,13 @@ import subprocess
 import sys
 import tempfile
 import time
-import traceback
 
 BUILD, SOURCE = os.environ["OPCFLOW_BUILD"], os.environ["OPCFLOW_SOURCE"]
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(HERE, "python"))
+sys.path[:0] = os.path.join(HERE, "python"), os.path.join(SOURCE, "tests")
 sys.dont_write_bytecode = True
+import tap
+
 os.environ["OPCFLOW_COMMAND"] = os.path.join(BUILD, "opcflow")
 POLY, ACTIVE, LAYERS = (9, 0), (1, 0), {"CP": (9, 0), "CA": (1, 0), "CC": (10, 0), "CW": (3, 0)}
 HALF = """opcflow: 1
@@ -323,25 +324,14 @@ def main():
         reasons.update(dict.fromkeys(TESTS, "python3 has no module of KLayout 0.28 or later"))
     if not shutil.which("klayout"):
         reasons.update(dict.fromkeys(tests[len(TESTS):], "klayout is not installed"))
-    print("1..%d" % len(tests))
-    failed = 0
     with tempfile.TemporaryDirectory(prefix="opcflow-klayout-") as folder:
         os.chdir(folder)
-        for i, test in enumerate(tests):
-            try:
-                if not reasons[test]:
-                    test(pya)
-                print("ok %d %s%s" % (i + 1, test.__name__, " # SKIP " + reasons[test]
-                                      if reasons[test] else ""), flush=True)
-            except Exception:
-                failed += 1
-                print("not ok %d %s" % (i + 1, test.__name__))
-                print("".join("# %s\n" % line for line in traceback.format_exc().split("\n")),
-                      flush=True)
+        failed = tap.run([(test.__name__, lambda test=test: reasons[test] or test(pya))
+                          for test in tests])
         if inner:
             chip(pya, path=os.environ["CHIP"])
         os.chdir("/")
-    return failed > 0
+    return failed
 
 
 sys.exit(main())

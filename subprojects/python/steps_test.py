@@ -9,9 +9,12 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import traceback
 
 BUILD, SOURCE = os.environ["OPCFLOW_BUILD"], os.environ["OPCFLOW_SOURCE"]
+sys.path.insert(0, os.path.join(SOURCE, "tests"))
+sys.dont_write_bytecode = True
+import tap
+
 OPCFLOW = os.path.join(BUILD, "opcflow")
 HERE = os.path.dirname(os.path.abspath(__file__))
 CONVERT = """opcflow: 1
@@ -226,26 +229,14 @@ def main():
     tests = [(test_librelane, "librelane"), (test_librelane_missed, "librelane"),
              (test_siliconcompiler, "siliconcompiler"),
              (test_siliconcompiler_missed, "siliconcompiler")]
-    print("1..%d" % len(tests))
     reasons = {name: absent(name) for _, name in tests}
-    failed = 0
     with tempfile.TemporaryDirectory(prefix="opcflow-steps-") as folder:
         os.chdir(folder)
         reason = None if all(reasons.values()) else reference()
-        for i, (test, name) in enumerate(tests):
-            try:
-                skip = reasons[name] or reason
-                if not skip:
-                    test()
-                print("ok %d %s%s" % (i + 1, test.__name__, " # SKIP " + skip if skip else ""),
-                      flush=True)
-            except Exception:
-                failed += 1
-                print("not ok %d %s" % (i + 1, test.__name__))
-                print("".join("# %s\n" % line for line in traceback.format_exc().split("\n")),
-                      flush=True)
+        failed = tap.run([(test.__name__, lambda test=test, name=name: reasons[name] or reason or test())
+                          for test, name in tests])
         os.chdir("/")
-    return failed > 0
+    return failed
 
 
 sys.exit(main())
