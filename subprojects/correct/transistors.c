@@ -4,7 +4,7 @@
    transistors. */
 #include <correct/report.h>
 
-#include <errno.h>
+#include <eda/file.h>
 #include <glib.h>
 #include <math.h>
 #include <stdio.h>
@@ -82,9 +82,7 @@ int correct_report_transistors(const opc_host *host, const eda_mask *mask,
     (void)fputs(head, t.file);
     code = eda_mask_each_strip(mask, put_part, &t, error);
   }
-  int failed = !t.file || ferror(t.file);
-  if (t.file && fclose(t.file)) failed = 1;
-  if (code || !failed) return code;
-  return opc_fail(error, OPC_IO, NULL, "cannot write '%s': %s", path,
-                  strerror(errno));
+  opc_error why;
+  int closed = eda_file_close(t.file, path, NULL, code ? &why : error);
+  return code ? code : closed;
 }

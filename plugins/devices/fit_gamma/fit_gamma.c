@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements devices.fit_gamma: fits the weights of extractor.gamma (thesis eq.
    3.2) to transistors with known currents, from TCAD or measurement. */
+#include <eda/file.h>
 #include <eda/memory.h>
-#include <errno.h>
 #include <gsl/gsl_errno.h>
 #include <math.h>
 #include <opcflow/step.h>
@@ -54,18 +54,13 @@ static int write_table(const fitter *f, opc_error *error) {
   const char *path = f->host->output_path(f->host, f->table, error);
   if (!path) return error->code;
   FILE *file = fopen(path, "w");
-  int good = file != NULL;
-  if (good)
-    good = fprintf(file, "type,current,width (nm),edge (nm),gamma\n") > 0;
-  for (int k = 0; k < FITS && good; k++)
-    for (size_t i = 0; i < f->fitted[k].points && good; i++)
-      good = fprintf(file, "%s,%s,1000,%.10g,%.10g\n", types[k / EDA_CURRENTS],
-                     currents[k % EDA_CURRENTS], f->fitted[k].edge[i],
-                     f->fitted[k].gamma[i]) > 0;
-  int why = errno;
-  if (file && fclose(file)) good = 0, why = errno;
-  if (good) return OPC_OK;
-  return opc_fail(error, OPC_IO, "table", "'%s': %s", path, strerror(why));
+  if (file) fputs("type,current,width (nm),edge (nm),gamma\n", file);
+  for (int k = 0; k < FITS && file; k++)
+    for (size_t i = 0; i < f->fitted[k].points; i++)
+      fprintf(file, "%s,%s,1000,%.10g,%.10g\n", types[k / EDA_CURRENTS],
+              currents[k % EDA_CURRENTS], f->fitted[k].edge[i],
+              f->fitted[k].gamma[i]);
+  return eda_file_close(file, path, "table", error);
 }
 
 static int residual_table(const fitter *f, opc_error *error) {

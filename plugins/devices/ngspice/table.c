@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Writes the device table (docs/reference/devices.md). */
-#include <errno.h>
+#include <eda/file.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -178,12 +178,9 @@ int table_write(const plan *p, const currents *c, const char *name,
   if (!path) return error->code;
   FILE *out = fopen(path, "w");
   if (out) put_table(out, p, c, name);
-  int bad = !out || ferror(out), reason = errno;
-  if (out && fclose(out)) bad = 1, reason = errno;
-  if (!bad) return OPC_OK;
-  if (out) (void)remove(path);
-  return opc_fail(error, OPC_IO, "file", "cannot write '%s': %s", path,
-                  strerror(reason));
+  int opened = out != NULL, code = eda_file_close(out, path, "file", error);
+  if (code && opened) (void)remove(path);
+  return code;
 }
 
 double table_slope(const plan *p, const currents *c, int type, int current,

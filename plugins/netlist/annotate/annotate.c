@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Implements netlist.annotate: writes a circuit with the printed sizes of its
    transistors as a SPICE netlist (thesis 3.3.3, equations 3.11 to 3.14). */
+#include <eda/file.h>
 #include <eda/netlist.h>
-#include <errno.h>
 #include <opcflow/step.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -29,14 +29,8 @@ static int write_file(const annotator *s, const char *text, opc_error *error) {
   const char *path = s->host->output_path(s->host, s->file, error);
   if (!path) return error->code;
   FILE *f = fopen(path, "wb");
-  int good = f && fputs(text, f) >= 0;
-  int why = errno;
-  if (f && fclose(f)) {
-    good = 0;
-    why = errno;
-  }
-  if (good) return OPC_OK;
-  return opc_fail(error, OPC_IO, NULL, "'%.300s': %s", path, strerror(why));
+  if (f) (void)fputs(text, f);
+  return eda_file_close(f, path, NULL, error);
 }
 
 static int check_mask(eda_annotation *a, opc_error *error) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Writes cells as a Liberty file (Liberty User Guide, version 2007.03) for
    static timing analyzers: times in ns, capacitances in fF. */
-#include <errno.h>
+#include <eda/file.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -165,11 +165,5 @@ static void put_library(FILE *out, const study *s) {
 int liberty_write(const study *s, const char *path, opc_error *error) {
   FILE *out = fopen(path, "wb");
   if (out) put_library(out, s);
-  int bad = !out || ferror(out), why = errno;
-  if (out && fclose(out)) {
-    bad = 1;
-    why = errno;
-  }
-  if (!bad) return OPC_OK;
-  return opc_fail(error, OPC_IO, NULL, "'%.300s': %s", path, strerror(why));
+  return eda_file_close(out, path, NULL, error);
 }

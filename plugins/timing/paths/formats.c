@@ -2,8 +2,8 @@
 /* Writes files for other programs: delays in SDF (IEEE 1497, version 3.0), the
    circuit in Verilog with module paths, a test bench, and the expected
    events. */
+#include <eda/file.h>
 #include <eda/sdf.h>
-#include <errno.h>
 #include <glib.h>
 #include <math.h>
 #include <opcflow/table.h>
@@ -12,16 +12,6 @@
 #include <string.h>
 
 #include "paths.h"
-
-static int close_file(FILE *out, const char *path, opc_error *error) {
-  int bad = !out || ferror(out), why = errno;
-  if (out && fclose(out)) {
-    bad = 1;
-    why = errno;
-  }
-  if (!bad) return OPC_OK;
-  return opc_fail(error, OPC_IO, NULL, "'%.300s': %s", path, strerror(why));
-}
 
 const char *sdf_instance(const graph *g, const node *n) {
   const char *name = g->instance[n->instance];
@@ -212,12 +202,13 @@ static void put_bench(FILE *out, const paths *p) {
 
 int write_verilog(const paths *p, const char *path, opc_error *error) {
   FILE *out = fopen(path, "wb");
-  if (!out) return close_file(out, path, error);
-  fputs("`timescale 1 ps / 1 fs\n", out);
-  put_cells(out, p);
-  put_circuit(out, &p->graph);
-  if (p->events) put_bench(out, p);
-  return close_file(out, path, error);
+  if (out) {
+    fputs("`timescale 1 ps / 1 fs\n", out);
+    put_cells(out, p);
+    put_circuit(out, &p->graph);
+    if (p->events) put_bench(out, p);
+  }
+  return eda_file_close(out, path, NULL, error);
 }
 
 /* ---- events of the internal simulation ---- */

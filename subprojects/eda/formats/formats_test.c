@@ -2,6 +2,7 @@
 /* Tests layer numbers, the division of polygons, the removal of holes, and the
    content of an OASIS file. Further cases are in the tests of the readers and
    writers. */
+#include <eda/file.h>
 #include <eda/memory.h>
 #include <eda/oasis.h>
 #include <glib.h>
@@ -141,6 +142,31 @@ static void test_oasis(void) {
   free(bytes);
 }
 
+/* Test files that cannot be opened, or are on a full device. */
+static void test_file(void) {
+  opc_error error;
+  static const struct {
+    const char *path, *why;
+  } faults[] = {{"/nowhere/x", "'/nowhere/x': No such file or directory"},
+                {"/dev/full", "'/dev/full': No space left on device"}};
+  for (size_t i = 0; i < G_N_ELEMENTS(faults); i++) {
+    FILE *file = fopen(faults[i].path, "wb");
+    if (file) fputs("text", file);
+    g_assert_cmpint(eda_file_close(file, faults[i].path, "file", &error), ==,
+                    OPC_IO);
+    g_assert_cmpstr(error.message, ==, faults[i].why);
+    g_assert_cmpstr(error.parameter, ==, "file");
+  }
+  /* The device accepts buffered text until the stream is flushed. */
+  FILE *file = fopen("/dev/full", "wb");
+  fputs("text", file);
+  fflush(file);
+  g_assert_cmpint(eda_file_close(file, "/dev/full", NULL, &error), ==, OPC_IO);
+  g_assert_cmpint(
+      eda_file_close(fopen("/dev/null", "wb"), "/dev/null", NULL, &error), ==,
+      OPC_OK);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/formats/numbers", test_numbers);
@@ -148,5 +174,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/formats/cut", test_cut);
   g_test_add_func("/formats/holes", test_holes);
   g_test_add_func("/formats/oasis", test_oasis);
+  g_test_add_func("/formats/file", test_file);
   return g_test_run();
 }

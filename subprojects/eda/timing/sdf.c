@@ -3,7 +3,7 @@
 #include <eda/sdf.h>
 
 #include <ctype.h>
-#include <errno.h>
+#include <eda/file.h>
 #include <math.h>
 #include <string.h>
 
@@ -100,11 +100,5 @@ int eda_sdf_write(const char *path, const char *design, const char *program,
     put_arcs(out, arcs, arc);
     fputs(")\n", out);
   }
-  int bad = !out || ferror(out), why = errno;
-  if (out && fclose(out)) {
-    bad = 1;
-    why = errno;
-  }
-  if (!bad) return OPC_OK;
-  return opc_fail(error, OPC_IO, NULL, "'%.300s': %s", path, strerror(why));
+  return eda_file_close(out, path, NULL, error);
 }

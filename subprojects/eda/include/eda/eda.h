@@ -12,6 +12,7 @@
 #include <eda/devices.h>
 #include <eda/experiment.h>
 #include <eda/extractor.h>
+#include <eda/file.h>
 #include <eda/formats.h>
 #include <eda/gates.h>
 #include <eda/gds.h>
