@@ -117,7 +117,10 @@ static void delay_sense(void *data, size_t index) {
     free(arc);
   }
   delay_fill(s, d, vector, term);
-  d->term = term; /* copied into the pool afterwards */
+  d->term =
+      eda_alloc(d->terms, sizeof *term); /* moves to the pool at the end */
+  if (d->terms) memcpy(d->term, term, d->terms * sizeof *term);
+  free(term);
   free(vector);
 }
 
