@@ -14,7 +14,7 @@ static void finding_free(gpointer item) {
 }
 
 void opc_findings_init(opc_findings *findings) {
-  findings->list = g_ptr_array_new_with_free_func(finding_free);
+  *findings = (opc_findings){g_ptr_array_new_with_free_func(finding_free), 0};
 }
 
 void opc_findings_clear(opc_findings *findings) {

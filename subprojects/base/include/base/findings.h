@@ -20,7 +20,7 @@ typedef struct opc_findings {
   size_t more;     /* number of findings not kept, repetitions included */
 } opc_findings;
 
-/* opc_findings_init: initialise *findings, whose `more` must be 0.
+/* opc_findings_init: initialise *findings, without findings.
    opc_findings_clear: free the findings. */
 void opc_findings_init(opc_findings *findings);
 void opc_findings_clear(opc_findings *findings);
