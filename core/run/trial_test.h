@@ -36,10 +36,14 @@ static inline opc_registry *trial_registry(void) {
   return registry = opc_registry_new(folders);
 }
 
+/* Keep a message; any thread of a step may log. */
 static inline void trial_log(void *data, const char *path, int level,
                              const char *message) {
+  static GMutex lock;
   (void)level;
+  g_mutex_lock(&lock);
   g_string_append_printf(((trial *)data)->log, "%s: %s\n", path, message);
+  g_mutex_unlock(&lock);
 }
 
 static inline void trial_step(void *data, const char *name, size_t number,
