@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests masks of cells, placed in a layout, against the correction of the cell
    alone and the flat simulation of the layout. */
+#include <environments/align.c>
 #include "plugins/correct/chip_test.h"
 
 static opc_module *cells_of(const drawing *d, const char *more) {
@@ -197,6 +198,44 @@ static void test_outside(void) {
   eda_layout_free(d.layout);
 }
 
+/* Return the shape added to poly after its alignment, with a line end of the
+   first gate at y = -94. */
+static eda_box aligned(const eda_gates *g, int placed, eda_box b) {
+  const eda_chip chip = {.placed = placed};
+  eda_moved *m = eda_moved_new(g->layers, g->count);
+  m->end[0] = 10;
+  eda_box_list_add(&m->added[EDA_POLY], b);
+  align_boxes(&chip, g, m);
+  b = m->added[EDA_POLY].box[0];
+  eda_moved_free(m);
+  return b;
+}
+
+/* A side of an added shape that is one step inside of a mask edge moves onto
+   the edge, if the mask is that of a cell. Other sides stay, for example those
+   of a head that is one step wider than the line. */
+static void test_aligned(void) {
+  static const struct {
+    int placed;
+    eda_box from, to;
+  } cases[] = {{1, {500, 601, 640, 699}, {500, 600, 640, 700}},
+               {0, {500, 601, 640, 699}, {500, 601, 640, 699}},
+               {1, {500, 600, 640, 701}, {500, 600, 640, 701}},
+               {1, {500, 602, 640, 698}, {500, 602, 640, 698}},
+               {1, {140, -93, 225, -60}, {140, -94, 225, -60}},
+               {1, {149, -94, 216, -60}, {149, -94, 216, -60}}};
+  drawing d = drawing_new();
+  place_sample(&d, 0, 0, 0, 0, 1);
+  eda_gates *g = flat(&d);
+  g_assert_cmpint(g->box[0].x0, ==, 150);
+  for (size_t k = 0; k < G_N_ELEMENTS(cases); k++) {
+    eda_box to = aligned(g, cases[k].placed, cases[k].from);
+    g_assert_cmpmem(&to, sizeof to, &cases[k].to, sizeof to);
+  }
+  eda_gates_free(g);
+  eda_layout_free(d.layout);
+}
+
 static void expect_refused(const char *more, const char *words) {
   opc_error error = {0};
   g_autofree char *all = g_strconcat(NEWTON, more, NULL);
@@ -215,6 +254,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/cells/continued", test_continued);
   g_test_add_func("/cells/neighbours", test_neighbours);
   g_test_add_func("/cells/outside", test_outside);
+  g_test_add_func("/cells/aligned", test_aligned);
   g_test_add_func("/cells/refused", test_refused);
   return g_test_run();
 }

@@ -7,6 +7,7 @@
 #include "tools/devel/testing.h"
 
 #define maker halver /* both included files define a type of this name */
+#include <environments/align.c>
 #include <environments/cover.c>
 #undef maker
 

@@ -160,6 +160,7 @@ static int loop_rule(loop *l, eda_ruling *ruling, opc_error *error) {
     /* Added shapes repair drawn edges of transistors. In poly and active layers
        that a synthesizer dissects, violations are only counted. */
     if (l->gates->count && k <= EDA_ACTIVE && l->next.shift[k]) continue;
+    correct_start_open_touched(l, k, ruling);
     correct_trial_set_both(&l->next.added[k], correct_loop_begun(l, k, 0),
                            ruling->added[k]);
     correct_trial_set_both(&l->next.cutouts[k], correct_loop_begun(l, k, 1),

@@ -3,6 +3,7 @@
    back. */
 #include <correct/start.h>
 
+#include <eda/index.h>
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
@@ -108,6 +109,31 @@ void correct_start_open(loop *l, int violations) {
   }
 }
 
+/* Mark the owners of begun shapes that touch a box. */
+static void find_touched(const loop *l, size_t list, eda_boxes by,
+                         uint8_t *touched) {
+  const eda_boxes begun = l->begun[list];
+  if (!by.count) return;
+  eda_index *index = eda_index_new(by.box, by.count, 0);
+  for (size_t i = 0; i < begun.count; i++) {
+    uint32_t any;
+    eda_finder f = eda_index_find(index, begun.box[i]);
+    if (eda_index_next(&f, &any)) touched[l->start.owner[list][i]] = 1;
+  }
+  eda_index_free(index);
+}
+
+void correct_start_open_touched(loop *l, size_t layer, const eda_ruling *by) {
+  size_t n = l->gates->count;
+  if (!l->start.limit) return;
+  uint8_t *touched = eda_alloc(n, 1);
+  find_touched(l, layer, by->added[layer], touched);
+  find_touched(l, l->gates->layers + layer, by->cutouts[layer], touched);
+  for (size_t i = 0; i < n; i++)
+    if (touched[i]) open_one(l, i);
+  free(touched);
+}
+
 /* Half size of the window around a violation, nm; larger than the distance of
    regulator.drc's repairs from the violation. */
 static const double beside = 150;
@@ -128,30 +154,35 @@ void correct_start_correct(const eda_moved *m, eda_performance *printed) {
   for (size_t i = 0; i < m->gates; i++) printed->ion[i] *= exp(-m->seen[i]);
 }
 
-int correct_start_mask(const eda_gates *g, const eda_moved *moved, size_t layer,
-                       eda_shapes *out, opc_error *error) {
+void correct_start_polygons(const eda_gates *g, const eda_moved *moved,
+                            size_t layer, eda_shapes *out) {
   trial none;
   pieces p;
+  correct_trial_init(&none, g->layers, g->count);
+  none.biases.base = moved;
+  correct_pieces_of_edges(&g->edges[layer], 1, &p);
+  correct_pieces_alloc(&p, out);
+  if (g->drawn[layer].hole && out->count) {
+    out->hole = eda_alloc(out->count, 1);
+    memcpy(out->hole, g->drawn[layer].hole, out->count);
+  }
+  correct_pieces_follow(g, layer, &none.biases, &p);
+  correct_pieces_build(&p, out);
+  correct_pieces_clear(&p);
+  correct_trial_clear(&none);
+}
+
+int correct_start_mask(const eda_gates *g, const eda_moved *moved, size_t layer,
+                       eda_shapes *out, opc_error *error) {
   eda_shapes polygons;
   const eda_box_list *added = &moved->added[layer],
                      *cutouts = &moved->cutouts[layer];
   const eda_boxes more = {added->box, added->count},
                   cut = {cutouts->box, cutouts->count};
-  correct_trial_init(&none, g->layers, g->count);
-  none.biases.base = moved;
-  correct_pieces_of_edges(&g->edges[layer], 1, &p);
-  correct_pieces_alloc(&p, &polygons);
-  if (g->drawn[layer].hole && polygons.count) {
-    polygons.hole = eda_alloc(polygons.count, 1);
-    memcpy(polygons.hole, g->drawn[layer].hole, polygons.count);
-  }
-  correct_pieces_follow(g, layer, &none.biases, &p);
-  correct_pieces_build(&p, &polygons);
+  correct_start_polygons(g, moved, layer, &polygons);
   int code = correct_mask_merge(&polygons, (boxes_lists){&more, 1},
                                 (boxes_lists){&cut, 1}, out, error);
   eda_shapes_clear(&polygons);
-  correct_pieces_clear(&p);
-  correct_trial_clear(&none);
   return code;
 }
 

@@ -257,6 +257,7 @@ static int chip_begin(const classes_request *r, eda_chip *out, int prepare,
   out->layout = r->layout;
   out->grid = r->segment.grid;
   out->segment = r->segment;
+  out->placed = r->cells.used;
   out->top = eda_segment_top(r->layout, r->top, error);
   if (out->top < 0) return error->code;
   int code = eda_segment_window(out->layout, out->top, &out->segment, &nowhere,

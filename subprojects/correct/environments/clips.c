@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include <correct/start.h>
+#include "align.h"
 
 /* Mask of a layer. */
 typedef struct masked {
@@ -133,6 +134,7 @@ static int make_mask(window *w, eda_box see) {
                               eda_box_grown(see, c->margin), 0, &g, w->error);
   if (code) return code;
   eda_moved *moved = eda_chip_moved(chip, g);
+  align_boxes(chip, g, moved);
   for (size_t k = 0; k < g->layers && !code; k++) {
     masked *m = &w->mask[k];
     code = g->corrected[k]

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include <correct/loop.h>
+#include "align.h"
 #include "correction.h"
 
 typedef struct correction {
@@ -91,6 +92,9 @@ static void begin_placed(const correction *m, const sheet *s, uint8_t *still,
     eda_chip_move(w->chip, s->of[i], s->gates->box[i], out->mask->moved, i);
     add_owner(out, capacity, count, i);
     out->limit[i] = still[i] ? INFINITY : mask_limit(w, g->mask);
+  }
+  align_boxes(w->chip, s->gates, out->mask->moved);
+  for (size_t i = 0; i < n; i++) {
     if (!still[i]) pass_moves(out->mask->moved, out->from, i);
     still[i] = 1;
   }
@@ -115,6 +119,7 @@ static beginning begin_with(const correction *m, const sheet *s,
     for (size_t i = 0; i < g->count; i++)
       if ((*still)[i])
         eda_chip_move(w->chip, s->of[i], g->box[i], b.mask->moved, i);
+    align_boxes(w->chip, g, b.mask->moved);
   }
   for (size_t i = 0; i < g->count && w->cells.used; i++)
     b.mask->moved->seen[i] = w->alone[w->chip->gate[s->of[i]].mask].seen;

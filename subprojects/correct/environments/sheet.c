@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include <correct/start.h>
+#include "align.h"
 
 /* ---- placement ---- */
 
@@ -311,6 +312,7 @@ int sheet_mask(const eda_chip *chip, const sheet *s, eda_mask **out,
   m->moved = eda_moved_new(g->layers, g->count);
   for (size_t i = 0; i < g->count; i++)
     eda_chip_move(chip, s->of[i], g->box[i], m->moved, i);
+  align_boxes(chip, g, m->moved);
   return correct_start_shapes(m, error);
 }
 

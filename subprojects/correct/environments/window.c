@@ -10,6 +10,7 @@
 #include <correct/classes.h>
 #include <correct/findings.h>
 #include <correct/start.h>
+#include "align.h"
 
 /* ---- a window ---- */
 
@@ -57,6 +58,7 @@ static int window_make(const eda_mask *mask, eda_box core, int32_t halo,
   eda_mask *m = *out = eda_mask_new(g);
   m->own = g;
   m->moved = eda_chip_moved(c, g);
+  align_boxes(c, g, m->moved);
   take_figures(mask, core, m);
   code = correct_start_shapes(m, error);
   if (!code) return OPC_OK;

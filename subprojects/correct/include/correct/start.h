@@ -4,6 +4,7 @@
 #pragma once
 
 #include <eda/gates.h>
+#include <eda/regulator.h>
 #include <opcflow/plugin.h>
 
 #include <correct/trial.h>
@@ -50,6 +51,12 @@ OPC_EXPORT int correct_start_hold(struct loop *loop, opc_error *error);
    the regulator in the first simulation, otherwise those beyond `limit`. */
 OPC_EXPORT void correct_start_open(struct loop *loop, int violations);
 
+/* With `limit`, select the transistors whose shapes in a layer touch a shape
+   that the regulator adds or cuts out. Both together can violate mask
+   rules. */
+OPC_EXPORT void correct_start_open_touched(struct loop *loop, size_t layer,
+                                           const eda_ruling *by);
+
 /* Set the displacements of gate i to those from which the loop starts; with
    `ends`, also those of its line ends. correct_start_reset_ends: only those of
    its line ends. */
@@ -69,6 +76,12 @@ OPC_EXPORT void correct_start_prune(struct loop *loop);
    Ion in the earlier correction. */
 OPC_EXPORT void correct_start_correct(const eda_moved *moved,
                                       eda_performance *printed);
+
+/* Write the polygons of a layer's displaced edges, without added shapes and
+   cut-outs. The caller frees `out`. */
+OPC_EXPORT void correct_start_polygons(const eda_gates *gates,
+                                       const eda_moved *moved, size_t layer,
+                                       eda_shapes *out);
 
 /* Compute the mask of a layer from the drawn edges and displacements. Returns
    the codes of eda_boolean. */

@@ -72,6 +72,9 @@ typedef struct eda_chip {
   /* Gates of the whole layout, for eda_mask_flat; NULL: not made. Freed by
      eda_chip_free. */
   eda_gates *flat;
+  /* 1: masks are those of cells alone, whose drawn edges can be rounded to the
+     grid differently than in the layout. */
+  int placed;
 } eda_chip;
 
 /* eda_chip_free: free a chip (NULL: do nothing). eda_chip_check: check the
