@@ -50,7 +50,7 @@ typedef struct resist_layer {
 typedef struct resist_base {
   const opc_host *host;
   double diffusion; /* standard deviation of the Gaussian blur of the image,
-                       nm */
+                       nm; NAN until resist_set_diffusion: not given */
   resist_layer layer[RESIST_SETS];
 } resist_base;
 
@@ -101,7 +101,7 @@ typedef struct resist_base {
 #define RESIST_DIFFUSION                                               \
   OPC_PARAMETER(                                                       \
       resist_base, diffusion, .type = OPC_REAL, .flags = OPC_AT_LEAST, \
-      .unit = "nm", .preset = "0 nm", .min = 0,                        \
+      .unit = "nm", .min = 0, .follows = "0 nm, with a finding",       \
       .summary =                                                       \
           "standard deviation of the Gaussian that blurs the image; "  \
           "0: no diffusion, although every resist has some")
@@ -119,6 +119,18 @@ typedef struct resist_base {
 /* Check the values of a layer; call from opc_plugin.check. Return OPC_OK or an
    error. */
 int resist_layer_check(resist_layer *layer, int set, opc_error *error);
+
+/* Set a diffusion that is not given to 0, and report that as a finding in the
+   name of plugin `id`. Call first in eda_resist.prepare. [main] */
+static inline void resist_set_diffusion(resist_base *resist, const char *id) {
+  if (resist->diffusion == resist->diffusion) return; /* not NAN */
+  resist->diffusion = 0;
+  resist->host->log(resist->host, OPC_LOG_FINDING,
+                    "%s: 'diffusion' is not set, so the image is not blurred, "
+                    "although every resist blurs the image: set the diffusion "
+                    "of the resist, or 'diffusion: 0 nm'",
+                    id);
+}
 
 /* Implement eda_resist.drawn. */
 void resist_take_gates(void *self, const eda_gates *gates);

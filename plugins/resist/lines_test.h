@@ -84,6 +84,41 @@ static inline opc_module *lines_hopkins(void) {
   return lines_litho("{ kernels: 94 }");
 }
 
+/* Return the number of findings about the diffusion, in two preparations of a
+   resist. */
+static inline int lines_diffusion_findings(const char *id,
+                                           const char *parameters,
+                                           opc_module *litho) {
+  opc_error error;
+  opc_test_forget();
+  g_autoptr(opc_module) m = lines_resist(id, parameters, litho);
+  const eda_resist *resist = m->functions;
+  g_assert_cmpint(resist->prepare(m->self, litho, &error), ==, OPC_OK);
+  int count = 0;
+  for (const char *at = opc_test_log(); (at = strstr(at, "'diffusion' is not"));
+       at++)
+    count++;
+  return count;
+}
+
+/* Test that only a diffusion that is not given is reported, once, and is 0. */
+static inline void lines_check_diffusion(const char *id) {
+  g_autoptr(opc_module) litho = lines_hopkins();
+  g_assert_cmpint(lines_diffusion_findings(id, "{}", litho), ==, 1);
+  static const char *const given[] = {"{ diffusion: 0 nm }",
+                                      "{ diffusion: 20 nm }"};
+  eda_field f[3];
+  for (int i = 0; i < 3; i++) {
+    g_autoptr(opc_module) m = lines_resist(id, i ? given[i - 1] : "{}", litho);
+    f[i] = lines_print(litho, m, EDA_POLY, 65, 320);
+    if (i)
+      g_assert_cmpint(lines_diffusion_findings(id, given[i - 1], litho), ==, 0);
+  }
+  g_assert_cmpfloat(lines_width(&f[0]), ==, lines_width(&f[1]));
+  g_assert_cmpfloat(fabs(lines_width(&f[2]) - lines_width(&f[1])), >, 0.1);
+  for (int i = 0; i < 3; i++) eda_field_clear(&f[i]);
+}
+
 /* Assert that a module or its calibration fails with a message. */
 static inline void lines_refused(const char *id, const char *parameters,
                                  opc_module *litho, const char *why) {

@@ -22,6 +22,7 @@ typedef struct resist {
 static int threshold_prepare(void *self, const opc_module *litho,
                              opc_error *error) {
   resist *r = self;
+  resist_set_diffusion(&r->base, "resist.threshold");
   for (int set = 0; set < RESIST_SETS; set++) {
     const int fit = 1;
     r->threshold[set] = isnan(r->given[set]) ? 0 : r->given[set];
@@ -32,13 +33,11 @@ static int threshold_prepare(void *self, const opc_module *litho,
   }
   static const char *const side[] = {"below", "above"};
   const resist_layer *layer = r->base.layer;
-  r->base.host->log(
-      r->base.host, OPC_LOG_INFO,
-      "resist.threshold: poly prints %s %.4f, active %s %.4f, "
-      "diffusion %g nm%s",
-      side[layer[0].bright], r->threshold[0], side[layer[1].bright],
-      r->threshold[1], r->base.diffusion,
-      r->base.diffusion > 0 ? "" : ", although resists have some");
+  r->base.host->log(r->base.host, OPC_LOG_INFO,
+                    "resist.threshold: poly prints %s %.4f, active %s %.4f, "
+                    "diffusion %g nm",
+                    side[layer[0].bright], r->threshold[0],
+                    side[layer[1].bright], r->threshold[1], r->base.diffusion);
   return OPC_OK;
 }
 

@@ -309,6 +309,10 @@ static void test_diffusion(void) {
   eda_field_clear(&f);
 }
 
+static void test_no_diffusion(void) {
+  lines_check_diffusion("resist.threshold");
+}
+
 static const double pitches[] = {220, 250, 400, 1000},
                     wanted[] = {64, 65.5, 68, 70};
 
@@ -433,6 +437,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/threshold/given", test_given);
   g_test_add_func("/threshold/refused", test_refused);
   g_test_add_func("/threshold/diffusion", test_diffusion);
+  g_test_add_func("/threshold/no-diffusion", test_no_diffusion);
   g_test_add_func("/threshold/table", test_table);
   g_test_add_func("/threshold/bright", test_bright);
   g_test_add_func("/threshold/bad-tables", test_bad_tables);

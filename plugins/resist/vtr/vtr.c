@@ -66,6 +66,7 @@ static void vtr_log(resist *r, eda_scanner scanner);
 static int vtr_prepare(void *self, const opc_module *litho, opc_error *error) {
   static const char *const names[RESIST_SETS] = {"poly", "active"};
   resist *r = self;
+  resist_set_diffusion(&r->base, "resist.vtr");
   vtr_log(r, eda_scanner_of(litho));
   for (int set = 0; set < RESIST_SETS; set++) {
     int code = vtr_calibrate(r, set, litho, error);

@@ -304,6 +304,8 @@ static void test_refused(void) {
                 litho, "nothing to fit");
 }
 
+static void test_no_diffusion(void) { lines_check_diffusion("resist.vtr"); }
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/vtr/constant", test_constant);
@@ -312,6 +314,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/vtr/known", test_known);
   g_test_add_func("/vtr/through-pitch", test_through_pitch);
   g_test_add_func("/vtr/anchor", test_anchor);
+  g_test_add_func("/vtr/no-diffusion", test_no_diffusion);
   g_test_add_func("/vtr/refused", test_refused);
   return g_test_run();
 }
