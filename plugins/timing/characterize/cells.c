@@ -78,8 +78,6 @@ static const char *take_pins(study *s, const eda_flat_netlist *flat,
 
 /* ---- logic ---- */
 
-enum { LOW, HIGH, UNKNOWN };
-
 /* Flags of each net: by[level][0][net] is 1 if channels that certainly conduct
    connect the net to `level`; by[level][1][net] is 1 if channels that conduct
    or may conduct do. */
@@ -142,9 +140,8 @@ static void cell_evaluate(const eda_timing_cell *c, const uint8_t *fixed,
   free(all);
 }
 
-/* Compute the levels of all nets for an input pattern. */
-static void levels_at(const eda_timing_cell *c, size_t pattern, uint8_t *fixed,
-                      uint8_t *value) {
+void cell_levels(const eda_timing_cell *c, size_t pattern, uint8_t *fixed,
+                 uint8_t *value) {
   memset(fixed, 0, c->nets);
   memset(value, UNKNOWN, c->nets);
   for (size_t i = 0; i < c->nets; i++) {
@@ -165,7 +162,7 @@ static const char *find_levels(study *s, eda_timing_cell *c) {
   uint8_t *fixed = eda_alloc(2 * c->nets, 1), *value = fixed + c->nets;
   c->level = eda_pool_alloc(&s->timing->memory, c->outputs * patterns, 1);
   for (size_t p = 0; p < patterns && !trouble; p++) {
-    levels_at(c, p, fixed, value);
+    cell_levels(c, p, fixed, value);
     for (size_t o = 0; o < c->outputs; o++) {
       uint8_t v = value[c->port[c->inputs + o]];
       if (v == UNKNOWN) trouble = "the cell is sequential, or an output floats";
@@ -225,7 +222,7 @@ void arc_sizes(const eda_timing_cell *c, const circuit *r,
                const eda_timing_arc *a, uint8_t *sizes) {
   uint8_t *fixed = eda_alloc(3 * c->nets, 1), *value = fixed + c->nets,
           *moves = value + c->nets;
-  levels_at(c, a->from, fixed, value);
+  cell_levels(c, a->from, fixed, value);
   moves[c->port[a->input]] = 1;
   find_moves(c, fixed, value, moves);
   memset(sizes, NO_SIZE, r->parts);

@@ -72,6 +72,14 @@ typedef struct study {
 int cell_build(study *s, eda_netlist *n, uint32_t number, eda_timing_cell *c,
                circuit *r, opc_error *error);
 
+/* Level of a net: certainly low, certainly high, or not determined. */
+enum { LOW, HIGH, UNKNOWN };
+
+/* Compute the levels of all nets for an input pattern, value[nets]. Set
+   fixed[net] for supplies and inputs. */
+void cell_levels(const eda_timing_cell *c, size_t pattern, uint8_t *fixed,
+                 uint8_t *value);
+
 static inline const circuit *circuit_of(const study *s,
                                         const eda_timing_cell *c) {
   return &s->circuit[c - s->timing->cell];

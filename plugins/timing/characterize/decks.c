@@ -138,6 +138,27 @@ static void put_other(const deck *d, FILE *out, size_t k) {
              middle_of(d) + c->other_after);
 }
 
+/* Write the levels before the change as first guesses of the operating point.
+   Without guesses, the simulator accepts points at which a net between two
+   transistors is 0.4 V beyond the supplies; copies with such a point have
+   other delays than the rest of the deck. */
+static void put_levels(const deck *d, FILE *out, size_t k) {
+  const eda_timing_cell *cell = d->copy[k].cell;
+  const circuit *r = circuit_of(d->s, cell);
+  const double guess[] = {[LOW] = 0, [HIGH] = 1, [UNKNOWN] = 0.5};
+  uint8_t *fixed = eda_alloc(2 * cell->nets, 1), *value = fixed + cell->nets;
+  cell_levels(cell, d->copy[k].from, fixed, value);
+  for (size_t i = 0; i < 2 * r->parts; i++) {
+    const part *p = &r->part[i / 2];
+    uint32_t net = i % 2 ? p->source : p->drain;
+    if (fixed[net]) continue;
+    fixed[net] = 1;
+    fprintf(out, ".nodeset v(n%zu_%u)=%.17g\n", k, net,
+            guess[value[net]] * d->s->supply);
+  }
+  free(fixed);
+}
+
 static void put_copy(const deck *d, FILE *out, size_t k, offsets *o) {
   const copy *c = &d->copy[k];
   const eda_timing_cell *cell = c->cell;
@@ -146,6 +167,7 @@ static void put_copy(const deck *d, FILE *out, size_t k, offsets *o) {
   for (size_t i = 0; i < cell->outputs; i++)
     fprintf(out, "c%zu_%zu n%zu_%u 0 %.17g\n", k, i, k,
             cell->port[cell->inputs + i], c->load / r->times);
+  put_levels(d, out, k);
   if (c->of_pin) {
     char name[32];
     snprintf(name, sizeof name, "%zu", k);
