@@ -581,6 +581,11 @@ static void test_guard(void) {
   correct_findings_of_guard(host, &none, 1);
   correct_findings_of_guard(host, &none, 0);
   g_assert_cmpstr(opc_test_log(), ==, "");
+  guarded state[2] = {[1] = {.rule = "neck", .at = {30, 42.5}}};
+  const guard rule = {.state = state, .ruled = 2, .first = 1};
+  correct_findings_of_guard(host, &rule, 1);
+  assert_said("2 transistors are beyond the limit of Ion", 1);
+  assert_said("violates a rule: the first is neck at (30, 42.5) nm", 1);
 }
 
 int main(int argc, char **argv) {

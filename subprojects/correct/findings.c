@@ -165,6 +165,14 @@ void correct_findings_of_guard(const opc_host *host, const guard *g, int held) {
               "%zu transistor%s worse than drawn because of neighbours or "
               "rules: see 'verdict' in gates.csv",
               g->worse, are);
+  if (g->ruled) {
+    const guarded *s = &g->state[g->first];
+    host->log(host, OPC_LOG_FINDING,
+              "%zu transistor%s beyond the limit of Ion, because the rest of "
+              "%s correction violates a rule: the first is %s at (%g, %g) nm",
+              g->ruled, g->ruled == 1 ? " is" : "s are",
+              g->ruled == 1 ? "its" : "their", s->rule, s->at[0], s->at[1]);
+  }
   if (g->back)
     host->log(
         host, OPC_LOG_INFO,

@@ -212,8 +212,11 @@ static int find_broken(loop *l, opc_error *error) {
       correct_violations(l->host->context, l->regulator, &p, &v, &n, error);
   for (size_t k = 0; k < n && !code; k++) {
     guarded *s = v[k].gate < 0 ? NULL : &state[v[k].gate];
-    if (s && s->tries <= GUARD_DRAWN && !was_broken(&l->guard, &v[k]))
-      s->fault = MAX(s->fault, RULE);
+    if (!s || s->tries > GUARD_DRAWN || was_broken(&l->guard, &v[k])) continue;
+    s->fault = MAX(s->fault, RULE);
+    s->rule = g_intern_string(v[k].rule);
+    s->at[0] = v[k].x;
+    s->at[1] = v[k].y;
   }
   free(v);
   return code;
@@ -531,7 +534,12 @@ void correct_guard_count(loop *l) {
   guard *g = &l->guard;
   for (size_t i = 0; i < l->gates->count; i++) {
     int fault = fault_of(l, i, tuned.worse);
-    g->back += g->state[i].level > 0;
+    const guarded *s = &g->state[i];
+    g->back += s->level > 0;
+    if (s->level && s->rule && correct_guard_off(l, i) > l->ion_limit) {
+      if (!g->ruled) g->first = i;
+      g->ruled++;
+    }
     g->worse += fault == WORSE;
     g->lost += fault == LOST;
   }
@@ -557,5 +565,9 @@ char *correct_guard_verdict(const guard *g, size_t gate) {
   const guarded *s = &g->state[gate];
   if (s->cause)
     return g_strdup_printf("%s at (%.0f, %.0f) nm", s->cause, s->x, s->y);
+  if (s->level && s->rule)
+    return g_strdup_printf("%s, for the rule %s at (%.0f, %.0f) nm",
+                           words[MIN(s->level, GUARD_SURROUNDED)], s->rule,
+                           s->at[0], s->at[1]);
   return g_strdup(words[MIN(s->level, GUARD_SURROUNDED)]);
 }

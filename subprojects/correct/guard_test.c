@@ -247,9 +247,21 @@ static void test_rules(void) {
   aside[0] = aside[1] = 0;
   drawn = 0;
   run_step(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
-  expect_result(&l, 0, 0, "reverted: as drawn");
+  expect_result(
+      &l, 0, 0,
+      "reverted: as drawn, for the rule width: too much at (30, 200) nm");
   expect_result(&l, 1, -14, NULL);
   g_assert_cmpuint(l.guard.back, ==, 1);
+  g_assert_cmpuint(l.guard.ruled, ==, 1);
+  g_assert_cmpuint(l.guard.first, ==, 0);
+  correct_loop_clear(&l);
+  /* With a limit above the drawn deviation, the rule matters only to the
+     verdict. */
+  limit_of_guard = 50;
+  run_step(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);
+  limit_of_guard = 0.5;
+  g_assert_cmpuint(l.guard.back, ==, 1);
+  g_assert_cmpuint(l.guard.ruled, ==, 0);
   correct_loop_clear(&l);
   nobodys = 1;
   run_step(&l, SCRIPTED(s), &extractor, MODULE(&finder, NULL), 1);

@@ -49,6 +49,9 @@ typedef struct guarded {
   uint8_t fault;     /* fault in the last simulation */
   const char *cause; /* cause of a remaining fault; NULL: none */
   double x, y;       /* position of the cause, nm */
+  const char *rule;  /* last rule whose violation reverted the transistor; NULL:
+                        none */
+  double at[2];      /* position of that violation, nm */
 } guarded;
 
 /* State of the guard. */
@@ -60,6 +63,9 @@ typedef struct guard {
                                guard */
   size_t back, worse, lost; /* numbers of transistors: reverted, worse than
                                drawn, no longer printed */
+  size_t ruled, first;      /* number of transistors that were reverted because
+                               of a rule and are beyond the limit of the loop;
+                               the first of these */
 } guard;
 
 /* Set up a guard; free its arrays. */
