@@ -109,6 +109,7 @@ int correct_verification_is_early(const loop *l) {
 }
 
 int correct_verification_is_due(const loop *l) {
+  if (l->checked && l->printer.fine_simulations) return 0;
   for (size_t k = 0; k < l->gates->layers; k++)
     if (l->gates->corrected[k] && !l->printer.is_fine[k])
       return l->printer.fine > 0;

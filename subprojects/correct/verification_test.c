@@ -63,6 +63,8 @@ static const opc_module *regulator;
 static double aim; /* standard deviation of Ion that accurate simulations may
                       cause, %; 0: the error is `fine` */
 
+static int checked; /* loop.checked */
+
 static int try_to_run(loop *l, const eda_litho *model, double fine,
                       int32_t spoil, int64_t iterations, opc_error *error) {
   mover s = {spoil};
@@ -71,6 +73,7 @@ static int try_to_run(loop *l, const eda_litho *model, double fine,
               .extractor = MODULE(&extractor, NULL),
               .regulator = regulator,
               .max_iterations = iterations,
+              .checked = checked,
               .hold = 1,
               .ion_limit = 3,
               .fine_change = aim,
@@ -164,6 +167,26 @@ static void test_end(void) {
   for (size_t i = 0; i < 2; i++) {
     g_assert_cmpfloat(fabs(l.before.ion[i] / before[i] - 1), <, 1e-5);
     g_assert_cmpfloat(deviation_of(&l, l.before.ion, i), >, 10);
+    g_assert_cmpfloat(deviation_of(&l, l.measured.performance.ion, i), <, 3);
+  }
+  correct_loop_clear(&l);
+}
+
+/* If the caller verifies the mask, the loop ends with a fast simulation. The
+   difference of the models makes the figures accurate. */
+static void test_checked(void) {
+  loop l;
+  double truth[2];
+  ADD(0.03);
+  checked = 1;
+  run_step(&l, &with_fine, fine_is, 0, 10);
+  checked = 0;
+  g_assert_cmpint(fine_prints[EDA_POLY], ==, 1);
+  g_assert_cmpint(fine_prints[EDA_ACTIVE], ==, 1);
+  measure_truth(&l, l.mask, 0.03, truth);
+  for (size_t i = 0; i < 2; i++) {
+    g_assert_cmpfloat(fabs(l.measured.performance.ion[i] / truth[i] - 1), <,
+                      1e-4);
     g_assert_cmpfloat(deviation_of(&l, l.measured.performance.ion, i), <, 3);
   }
   correct_loop_clear(&l);
@@ -486,6 +509,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/proof/how-fine", test_how_fine);
   g_test_add_func("/proof/by-layer", test_by_layer);
   g_test_add_func("/proof/end", test_end);
+  g_test_add_func("/proof/checked", test_checked);
   g_test_add_func("/proof/goes-on", test_goes_on);
   g_test_add_func("/proof/bound", test_bound);
   g_test_add_func("/proof/rules", test_rules);

@@ -333,6 +333,7 @@ static int correct_gates(const correction *m, const sheet *s, opc_bytes *out,
   loop l;
   correct_loop_init(&l, &in.host, s->gates, &with);
   l.prepared = 1;
+  l.checked = 1;
   l.printer.drawn = NULL; /* all sheets share one resist calibration */
   beginning begun = {0};
   if (m->wide) begun = begin_with(m, s, &l.still);

@@ -47,6 +47,8 @@ typedef struct loop {
                        not been made yet */
   int prepared;     /* 1: the extractor is prepared */
   int traced;       /* 1: record each simulation in `trace` */
+  int checked;      /* 1: the caller verifies the mask, so the only accurate
+                       simulation is that after the first displacements */
   int hold;         /* 1: the guard reverts transistors worse than drawn */
   double ion_limit; /* largest |Ion deviation|, %, for the guard, the
                        verification and synthesizers without a limit */
