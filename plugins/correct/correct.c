@@ -120,8 +120,9 @@ static int whole_run(const correct *c, void **outputs, opc_error *error) {
   if (!code) code = correct_report_guard(&l, error);
   if (!code) {
     hand_over(&l, mask);
-    code = correct_report(c, &l, mask, error);
+    code = correct_findings_of_slices(c->host, mask, c->with.extractor, error);
   }
+  if (!code) code = correct_report(c, &l, mask, error);
   correct_loop_clear(&l);
   return code;
 }

@@ -72,6 +72,8 @@ static int given_report(const given *s, eda_mask *m, const double *extension,
   if (!code) code = given_report_worse(s, m, before, error);
   if (!code)
     correct_findings_of_print(s->host, m->gates, NULL, m->flags, before);
+  if (!code)
+    code = correct_findings_of_slices(s->host, m, s->with.extractor, error);
   return code ? code : correct_report_mask(s->host, &content, error);
 }
 

@@ -110,6 +110,8 @@ static int verify_run(void *self, void **outputs, opc_error *error) {
   if (!code)
     correct_findings_of_print(v->host, out->gates, out->count, out->flags,
                               NULL);
+  if (!code)
+    code = correct_findings_of_slices(v->host, out, v->with.extractor, error);
   if (!code) code = correct_report_mask(v->host, &content, error);
   if (!code)
     code = correct_report_transistors(v->host, out, v->transistors, error);

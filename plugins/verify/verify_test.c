@@ -6,6 +6,7 @@
 #include <eda/print.h>
 #include <math.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "tools/devel/testing.h"
 
@@ -13,14 +14,16 @@
   "resist: { use: resist.threshold, anchor: { line: 65 nm, pitch: 250 nm " \
   "} }"
 
+/* `more`: further parameters, or a replacement of the extractor. */
 static opc_module *try_to_make(const char *id, const char *litho,
                                const char *more, opc_error *error) {
   g_autofree char *devices = g_build_filename(
       g_getenv("OPCFLOW_SOURCE"), "data", "devices", "ptm65.yaml", NULL);
-  g_autofree char *map = g_strdup_printf(
-      "{ litho: { use: %s }, " RESIST
-      ", extractor: { use: extractor.plain, devices: '%s' }%s }",
-      litho, devices, more);
+  g_autofree char *plain = g_strdup_printf(
+      ", extractor: { use: extractor.plain, devices: '%s' }", devices);
+  g_autofree char *map =
+      g_strdup_printf("{ litho: { use: %s }, " RESIST "%s%s }", litho,
+                      strstr(more, "extractor:") ? "" : plain, more);
   return opc_test_module(id, map, error);
 }
 
@@ -101,6 +104,56 @@ static void test_leakage(void) {
     g_assert_cmpfloat_with_epsilon(opc_test_metric(expected[k].name),
                                    expected[k].value, 1e-6);
   release_sample(loop, mask);
+}
+
+/* Return the device table with another line, in a new file (g_free). */
+static char *modelled_table(const char *line) {
+  g_autofree char *name = g_build_filename(g_getenv("OPCFLOW_SOURCE"), "data",
+                                           "devices", "ptm65.yaml", NULL);
+  g_autofree char *text = NULL;
+  g_assert_true(g_file_get_contents(name, &text, NULL, NULL));
+  char *path = g_build_filename(g_get_tmp_dir(), "verify-XXXXXX.yaml", NULL);
+  g_assert_cmpint(close(g_mkstemp(path)), ==, 0);
+  char *at = strstr(text, "\nlength:");
+  g_autofree char *all =
+      g_strdup_printf("%.*s%s%s", (int)(at - text), text, line, at);
+  g_assert_true(g_file_set_contents(path, all, -1, NULL));
+  return path;
+}
+
+/* Return the short slices that correct, and verify, count. */
+static double short_slices(const char *line, int *findings) {
+  g_autofree char *path = modelled_table(line);
+  g_autofree char *more = g_strdup_printf(
+      ", synthesizer: { use: synthesizer.dpb }, max_iterations: 1, extractor: "
+      "{ use: extractor.plain, devices: '%s', slices: 12 }",
+      path);
+  g_autofree char *same = g_strdup(strstr(more, ", extractor"));
+  opc_module *loop = make_sample("correct", "litho.hopkins", more);
+  opc_test_forget();
+  eda_mask *mask = run_step(loop, "gates", eda_gates_sample());
+  double count = opc_test_metric("short_slices");
+  *findings = strstr(opc_test_log(), "shorter than the device model") != NULL;
+  opc_module *step = make_sample("verify", "litho.hopkins", same);
+  opc_test_forget();
+  eda_mask *again = run_step(step, "mask", mask);
+  g_assert_cmpfloat(opc_test_metric("short_slices"), ==, count);
+  release_sample(step, again);
+  release_sample(loop, mask);
+  g_assert_cmpint(remove(path), ==, 0);
+  return count;
+}
+
+/* Slices below the length that the model covers are counted, by type. */
+static void test_short_slices(void) {
+  int findings;
+  g_assert_cmpfloat(short_slices("", &findings), ==, 0);
+  g_assert_cmpint(findings, ==, 0);
+  g_assert_cmpfloat(short_slices("\nnmos_modelled: 300 nm", &findings), ==, 12);
+  g_assert_cmpint(findings, ==, 1);
+  g_assert_cmpfloat(
+      short_slices("\nnmos_modelled: 300 nm\npmos_modelled: 300 nm", &findings),
+      ==, 24);
 }
 
 /* The accurate model changes the figures by at most its error; without an
@@ -206,6 +259,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/verify/again", test_again);
   g_test_add_func("/verify/leakage", test_leakage);
+  g_test_add_func("/verify/short-slices", test_short_slices);
   g_test_add_func("/verify/fine", test_fine);
   g_test_add_func("/verify/overlay", test_overlay);
   g_test_add_func("/verify/words", test_words);

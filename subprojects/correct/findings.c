@@ -5,6 +5,7 @@
 #include <eda/memory.h>
 #include <glib.h>
 #include <math.h>
+#include <opcflow/table.h>
 #include <stdlib.h>
 
 #include <correct/report.h>
@@ -148,6 +149,23 @@ void correct_findings_of_print(const opc_host *host, const eda_gates *g,
               "results of %zu of %zu transistors are extrapolated beyond the "
               "device table by the last slope and are not reliable",
               outside, all);
+}
+
+int correct_findings_of_slices(const opc_host *host, const eda_mask *m,
+                               const opc_module *extractor, opc_error *error) {
+  eda_measurement again;
+  eda_short_slices sum = {0};
+  char text[400];
+  if (m->chip || !m->gates->count) return OPC_OK;
+  eda_measurement_init(&again, m->gates->count);
+  int code = eda_measure_short(host->context, m->gates, m->print, extractor,
+                               NULL, &again, &sum, error);
+  eda_measurement_clear(&again);
+  if (code) return code;
+  eda_short_slices_text(&sum, text, sizeof text);
+  if (*text) host->log(host, OPC_LOG_FINDING, "%s", text);
+  const opc_metric_value value = {"short_slices", sum.below};
+  return opc_put_metrics(host, &value, 1, error);
 }
 
 /* ---- guard ---- */

@@ -2,7 +2,6 @@
 /* Simulates the contours at each focus and dose, for displaced images of
    active, and for masks with moved edges. A change of the dose scales an image;
    another focus or mask requires a new image. */
-#include <eda/extractor.h>
 #include <eda/memory.h>
 #include <math.h>
 #include <stdlib.h>
@@ -46,71 +45,12 @@ static double log_ratio(double printed, double drawn, int failed) {
   return failed || !(printed > 0) ? NAN : log(printed / drawn);
 }
 
-/* Slices of all gates of a part; failed gates are known only after the
-   measurement. Arrays by gate. */
-typedef struct slice_counts {
-  const exposure *e;
-  double *slices, *below; /* number of slices; of slices shorter than the model
-                             covers */
-  double *shortest;       /* shortest slice of a gate, nm */
-} slice_counts;
-
-/* Return the shortest length that the device model of a gate covers, nm. */
-static double gate_modelled(const exposure *e, size_t i) {
-  const opc_module *m = e->w->extractor;
-  const eda_extractor *x = m->functions;
-  if (!x->modelled) return 0;
-  const eda_gates *g = e->gates;
-  return x->modelled(m->self, g->type[i], g->flavour ? g->flavour[i] : NULL);
-}
-
-/* Count the slices of a block of gates. Slices without width do not count. */
-static int slices_count(void *data, size_t first, const eda_slices *in,
-                        opc_error *error) {
-  const slice_counts *c = data;
-  (void)error;
-  for (size_t i = 0; i < in->count; i++) {
-    double limit = gate_modelled(c->e, first + i);
-    c->shortest[first + i] = INFINITY;
-    for (size_t s = i * in->slices; s < (i + 1) * in->slices; s++) {
-      if (!(in->width[s] > 0)) continue;
-      c->slices[first + i]++;
-      c->below[first + i] += in->length[s] < limit;
-      c->shortest[first + i] = fmin(c->shortest[first + i], in->length[s]);
-    }
-  }
-  return OPC_OK;
-}
-
-/* Add the slices of the transistors that print. */
-static void slices_add(const slice_counts *c, window_print *out) {
-  const exposure *e = c->e;
-  for (size_t i = 0; i < e->gates->count; i++) {
-    double n = e->count[i];
-    if (n == 0 || eda_print_failed(e->measured.flags[i])) continue;
-    out->slices += n * c->slices[i];
-    out->short_slices += n * c->below[i];
-    if (c->below[i] == 0) continue;
-    if (out->short_gates == 0 || c->shortest[i] < out->shortest) {
-      out->shortest = c->shortest[i];
-      out->modelled = gate_modelled(e, i);
-    }
-    out->short_gates += n;
-  }
-}
-
 static int exposure_measure(exposure *e, window_print *out, opc_error *error) {
   const window *w = e->w;
   const eda_performance *p = &e->measured.performance;
-  size_t n = e->gates->count;
-  slice_counts c = {.e = e, .slices = eda_alloc(3 * n, sizeof *c.slices)};
-  c.below = c.slices + n;
-  c.shortest = c.below + n;
   int code =
-      eda_measure_slices(w->host->context, e->gates, e->print, w->extractor,
-                         slices_count, &c, &e->measured, error);
-  if (!code) slices_add(&c, out);
-  free(c.slices);
+      eda_measure_short(w->host->context, e->gates, e->print, w->extractor,
+                        e->count, &e->measured, &out->slices, error);
   for (size_t i = 0; i < e->gates->count && !code; i++) {
     size_t k = eda_mask_part_gate(e->part, i);
     int failed = eda_print_failed(e->measured.flags[i]);

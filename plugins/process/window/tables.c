@@ -228,16 +228,11 @@ static int kept_table(const window *w, opc_error *error) {
 static double report_slices(const window *w) {
   double most = 0;
   for (size_t k = 0; k < w->focus.count * w->dose.count; k++)
-    most = fmax(most, w->print[k].short_slices);
+    most = fmax(most, w->print[k].slices.below);
   const window_print *p = window_at(w, w->nominal_focus, w->nominal_dose);
-  if (p->short_gates > 0)
-    w->host->log(w->host, OPC_LOG_FINDING,
-                 "%.0f of %.0f slices, in %.0f transistors, are shorter than "
-                 "the device model covers: the shortest is %.1f nm long, its "
-                 "model begins at %g nm; the device table extrapolates the "
-                 "model for these slices",
-                 p->short_slices, p->slices, p->short_gates, p->shortest,
-                 p->modelled);
+  char text[400];
+  eda_short_slices_text(&p->slices, text, sizeof text);
+  if (*text) w->host->log(w->host, OPC_LOG_FINDING, "%s", text);
   return most;
 }
 

@@ -13,11 +13,8 @@ typedef struct window_print {
   double *ion, *ioff; /* ln of printed over drawn current; NAN if the gate
                          failed. Without an extractor, both are NULL */
   eda_spread_sums sums;
-  eda_spread spread; /* spread of the currents, from `sums` */
-  /* Slices, and slices shorter than the device model covers, of all
-     transistors that print; transistors with such slices; the shortest slice,
-     nm, and the length that its model covers. */
-  double slices, short_slices, short_gates, shortest, modelled;
+  eda_spread spread;       /* spread of the currents, from `sums` */
+  eda_short_slices slices; /* of all transistors that print */
 } window_print;
 
 /* The instance of the step. */

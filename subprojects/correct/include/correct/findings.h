@@ -25,6 +25,15 @@ OPC_EXPORT void correct_findings_of_print(const opc_host *host,
                                           const uint32_t *flags,
                                           const uint32_t *before);
 
+/* Count the slices of a flat mask that are shorter than the device model
+   covers: log a finding and publish the metric `short_slices`. `mask` has the
+   printed images; the function does nothing for a mask by classes, or without
+   transistors. [main] */
+OPC_EXPORT int correct_findings_of_slices(const opc_host *host,
+                                          const eda_mask *mask,
+                                          const opc_module *extractor,
+                                          opc_error *error);
+
 /* Return a copy of a host that discards messages, for repeated simulations of
    the same models. The copy is valid as long as `host`. */
 OPC_EXPORT opc_host correct_findings_discarded(const opc_host *host);

@@ -49,12 +49,14 @@ typedef struct summary {
     "ioff_total_p", "%", OPC_NEUTRAL, 0.1,                                  \
         "deviation of total Ioff of the p-transistors"                      \
   }
-#define REPORT_PRINT_METRICS                                            \
-  {"failed", NULL, OPC_LOWER, 0,                                        \
-   "transistors that do not print as one separate transistor"},         \
-  {                                                                     \
-    "outside", NULL, OPC_LOWER, 0,                                      \
-        "transistors with figures extrapolated beyond the device table" \
+#define REPORT_PRINT_METRICS                                             \
+  {"failed", NULL, OPC_LOWER, 0,                                         \
+   "transistors that do not print as one separate transistor"},          \
+      {"outside", NULL, OPC_LOWER, 0,                                    \
+       "transistors with figures extrapolated beyond the device table"}, \
+  {                                                                      \
+    "short_slices", NULL, OPC_LOWER, 0,                                  \
+        "slices shorter than the device model covers"                    \
   }
 #define REPORT_DRAWN_METRICS                           \
   {"ion_mean_drawn", "%", OPC_NEUTRAL, 0,              \

@@ -162,6 +162,27 @@ OPC_EXPORT int eda_measure_slices(const opc_context *context,
                                   eda_slices_visit *visit, void *data,
                                   eda_measurement *out, opc_error *error);
 
+/* Slices of the transistors that print: numbers of all slices, of slices
+   shorter than the device model covers (`modelled` of eda_extractor), and of
+   transistors with these. The shortest of these, and the shortest length that
+   its model covers, nm. */
+typedef struct eda_short_slices {
+  double slices, below, gates, shortest, modelled;
+} eda_short_slices;
+
+/* Measure as eda_measure, and add the slices to *sum. `count`: number of
+   transistors that each gate represents; NULL: one. [main] */
+OPC_EXPORT int eda_measure_short(const opc_context *context,
+                                 const eda_gates *gates, const eda_field *print,
+                                 const opc_module *extractor,
+                                 const uint32_t *count, eda_measurement *out,
+                                 eda_short_slices *sum, opc_error *error);
+
+/* Write the text of a finding, about 250 characters; "": no slice is short.
+   [any] */
+OPC_EXPORT void eda_short_slices_text(const eda_short_slices *slices,
+                                      char *text, size_t size);
+
 /* Compute the performance of the gates as drawn. [main] */
 OPC_EXPORT int eda_measure_drawn(const opc_context *context,
                                  const eda_gates *gates,
