@@ -212,11 +212,11 @@ static const opc_parameter parameters[] = {
         "start", correct, start.mask, .type = OPC_INPUT, .choices = "mask",
         .summary =
             "Mask of the same gates to start from (default: the drawn one)"),
-    OPC_PARAMETER_NAMED(
-        "max_diff", correct, start.max_diff, .type = OPC_REAL,
-        .flags = OPC_AT_LEAST, .unit = "%", .min = 0,
-        .summary = "Largest increase of |Ion deviation| from 'start' to the "
-                   "first simulation for which a transistor keeps its mask"),
+    OPC_PARAMETER(
+        correct, max_diff, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "%",
+        .min = 0,
+        .summary = "Largest increase of |Ion deviation| from the cell to the "
+                   "layout for which a transistor keeps its mask"),
     CORRECT_PRINT_SLOTS(correct),
     CORRECT_MOVE_SLOTS(correct),
     OPC_PARAMETER(
@@ -261,7 +261,7 @@ static const opc_metric metrics[] = {
     {"epe_lost", NULL, OPC_LOWER, 0,
      "fragments without a printed edge within 0.389 lambda/NA"},
     {"refined", NULL, OPC_NEUTRAL, 0,
-     "transistors whose |Ion deviation| increased by more than 'max_diff'"},
+     "transistors that were corrected again because they deviate"},
     {"iterations", NULL, OPC_LOWER, 0, "number of iterations"},
     {"simulations", NULL, OPC_LOWER, 0, "litho simulations of one layer each"},
     {"fine_simulations", NULL, OPC_LOWER, 0,

@@ -76,8 +76,8 @@ int divide_check(const correct *c, opc_error *error) {
                     "'%s' does not support %s: set 'divide: whole'",
                     c->divide == DIVIDE_CELLS ? "cells" : "environments",
                     obstacle);
-  if (!isnan(c->start.max_diff) && !c->start.mask && c->divide != DIVIDE_CELLS)
-    return conflict("max_diff", "requires 'start' or 'divide: cells'", error);
+  if (!isnan(c->max_diff) && c->divide != DIVIDE_CELLS)
+    return conflict("max_diff", "requires 'divide: cells'", error);
   if (!c->layout == !c->gates)
     return opc_fail(error, OPC_INVALID, "layout",
                     "set either 'layout' or 'gates'");
@@ -107,7 +107,7 @@ static classes_request divide_request(correct *c) {
                            .cells = {.used = c->divide == DIVIDE_CELLS,
                                      .verify = c->verify,
                                      .boundary = c->neighbours,
-                                     .max_diff = c->start.max_diff}};
+                                     .max_diff = c->max_diff}};
 }
 
 /* Return a low estimate of the number of transistors: the polygons of poly. */

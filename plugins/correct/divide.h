@@ -27,6 +27,7 @@ typedef struct correct {
   int verify;
   const char *neighbours;
   loop_start start;
+  double max_diff; /* %, of cells; NAN: not given */
   correct_settings with;
   const opc_module *edges;
   corners_request corners;

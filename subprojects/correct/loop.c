@@ -537,7 +537,6 @@ int correct_loop_run(loop *l, opc_error *error) {
         eda_measure_drawn(context, l->gates, l->extractor, &l->design, error);
   if (!code) code = loop_begin(l, error);
   if (!code) code = correct_loop_print(l, 1, error);
-  if (!code) code = correct_start_hold(l, error);
   if (code) return code;
   loop_show(l);
   eda_performance_copy(&l->before, l->corners.count ? &l->corners.nominal

@@ -196,7 +196,6 @@ void correct_loop_init(loop *l, const opc_host *host, const eda_gates *gates,
   *l = (loop){
       .host = host,
       .gates = gates,
-      .start.max_diff = NAN,
       .extractor = with->extractor,
       .regulator = with->regulator,
       .max_iterations = with->max_iterations,

@@ -13,19 +13,8 @@
 
 /* ---- from a mask ---- */
 
-double correct_start_disturbance(const eda_mask *m,
-                                 const eda_performance *printed,
-                                 const uint32_t *flags, size_t i) {
-  if (eda_print_failed(flags[i])) return NAN;
-  return fabs(eda_deviation(printed->ion[i], m->design.ion[i])) -
-         fabs(eda_deviation(m->before.ion[i], m->design.ion[i]));
-}
-
 int correct_start_check(const loop_start *s, const eda_gates *gates,
                         opc_error *error) {
-  if (!s->mask && !isnan(s->max_diff))
-    return opc_fail(error, OPC_INVALID, "max_diff",
-                    "'max_diff' requires 'start'");
   if (s->mask && s->mask->chip)
     return opc_fail(error, OPC_INVALID, "start",
                     "the mask is by classes: set 'divide: whole' in the step "
@@ -38,22 +27,6 @@ int correct_start_check(const loop_start *s, const eda_gates *gates,
                     "the mask has no displacements of transistors from their "
                     "drawn edges: expected a mask of the step 'correct'");
   return OPC_OK;
-}
-
-int correct_start_hold(loop *l, opc_error *error) {
-  const loop_start *s = &l->start;
-  size_t n = l->gates->count, refined = 0;
-  if (!s->mask || isnan(s->max_diff)) return OPC_OK;
-  l->still = eda_alloc(n, 1);
-  for (size_t i = 0; i < n; i++) {
-    l->still[i] =
-        correct_start_disturbance(s->mask, &l->measured.performance,
-                                  l->measured.flags, i) <= s->max_diff;
-    refined += !l->still[i];
-  }
-  l->host->log(l->host, OPC_LOG_INFO, "%zu of %zu transistors are refined",
-               refined, n);
-  return l->host->metric(l->host, "refined", (double)refined, error);
 }
 
 void correct_start_reset_ends(const loop_start *s, biases *b, size_t i) {

@@ -14,11 +14,6 @@ struct loop;
 /* Start of a loop. */
 typedef struct loop_start {
   const eda_mask *mask; /* NULL: start from the drawn edges */
-  /* Largest increase of |Ion deviation| (thesis eq. 4.1), %, from mask->before
-     to the first simulation, for which a transistor keeps its mask. Transistors
-     with a larger increase are corrected. NAN: all transistors are
-     corrected. */
-  double max_diff;
   /* Displacements of the transistors that may be corrected, for a synthesizer
      that continues from them (EDA_SYNTHESIZER_CONTINUES), instead of those of
      `mask`; 0 for all other transistors. Orientations (`flip`) and added shapes
@@ -37,14 +32,9 @@ typedef struct loop_start {
 } loop_start;
 
 /* Return OPC_INVALID if the mask is by classes, belongs to other gates or has
-   no displacements, or if max_diff is set without a mask. */
+   no displacements. */
 OPC_EXPORT int correct_start_check(const loop_start *start,
                                    const eda_gates *gates, opc_error *error);
-
-/* Select the transistors that keep their masks (loop.still) after the first
-   simulation, and publish the number of the others as the metric "refined".
-   Without `max_diff` do nothing. */
-OPC_EXPORT int correct_start_hold(struct loop *loop, opc_error *error);
 
 /* With `limit`, select the transistors that the last simulation requires to
    correct. With `violations`, these are the transistors that violate a rule of
@@ -95,9 +85,3 @@ OPC_EXPORT int correct_start_shapes(eda_mask *mask, opc_error *error);
 /* Return the displacements of the loop's mask, or NULL if eda_moved cannot
    represent them. Free with eda_moved_free(). */
 OPC_EXPORT eda_moved *correct_moved_of(const struct loop *loop);
-
-/* Return the increase of |Ion deviation| of transistor i over mask->before,
-   thesis eq. 4.1, %; NAN if the transistor does not print. */
-OPC_EXPORT double correct_start_disturbance(const eda_mask *mask,
-                                            const eda_performance *printed,
-                                            const uint32_t *flags, size_t i);
