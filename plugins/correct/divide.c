@@ -169,15 +169,33 @@ static int divide_outline(correct *c, int32_t top, double transistors,
 }
 
 /* Measured memory of a correction by classes, bytes: libraries, kernels and
-   the fields of the windows at work; a transistor; a transistor in a class of
-   its own. */
+   the fields of a sheet of a repetitive layout; a polygon of poly. A transistor
+   needs 95 bytes, and memories have about two polygons for each. */
 static const struct {
-  double start, start_fine, transistor, class;
-} memory = {110e6, 150e6, 95, 1500};
+  double start, start_fine, polygon;
+} memory = {110e6, 165e6, 60};
 
 static int is_accurate(const correct *c) {
   const eda_litho *litho = c->with.litho->functions;
   return c->with.fine > 0 && litho->image_fine;
+}
+
+/* Return the memory of a sheet, bytes. `all`: outline of the layout. A layout
+   that fits on a sheet is simulated as a whole. */
+static double divide_sheet(const correct *c, const eda_gates *all,
+                           divide_whole *whole) {
+  eda_gates g = *all;
+  opc_forecast one = {0};
+  eda_box *e = &g.extent;
+  double most = (c->window + 3 * c->margin) / c->grid, wide = e->x1 - e->x0,
+         high = e->y1 - e->y0, start = memory.start;
+  double part = fmin(1, most / wide) * fmin(1, most / high);
+  e->x1 = e->x0 + (int32_t)fmin(wide, most);
+  e->y1 = e->y0 + (int32_t)fmin(high, most);
+  g.count = (size_t)((double)g.count * part);
+  whole(c, &g, &one);
+  if (is_accurate(c)) start = memory.start_fine;
+  return part < 1 ? fmin(one.memory, start) : one.memory;
 }
 
 /* Return OPC_OK, or an error if the layout lacks the layers of transistors. */
@@ -212,8 +230,7 @@ int divide_forecast(correct *c, divide_whole *whole, opc_forecast *out,
                      obstacle);
     return OPC_OK;
   }
-  double start = is_accurate(c) ? memory.start_fine : memory.start;
-  out->memory = start + memory.transistor * polygons;
+  out->memory = divide_sheet(c, &g, whole) + memory.polygon * polygons;
   (void)snprintf(out->work, sizeof out->work,
                  "about %.0f transistors in windows of %g um", polygons,
                  c->window / 1000);
