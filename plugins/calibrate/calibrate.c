@@ -164,7 +164,7 @@ static int take_gauges(calibrate *c, opc_error *error) {
     code =
         gauges_read(c->path, c->mask, c->n_masks, &c->gauges, &c->count, error);
   else
-    gauges_of_gates(c->mask, c->n_masks, &c->gauges, &c->count);
+    gauges_of_gates(c->mask, c->n_masks, c->drawn, &c->gauges, &c->count);
   if (!code && c->count <= TERMS)
     code = opc_fail(error, OPC_INVALID, "gauges",
                     "%zu gauges are too few for up to %d parameters", c->count,
@@ -212,6 +212,10 @@ static const opc_parameter parameters[] = {
         "gauges", calibrate, path, .type = OPC_FILE,
         .summary = "CSV file of measured widths; default: the drawn lengths "
                    "and widths of all transistors"),
+    OPC_PARAMETER(calibrate, drawn, .type = OPC_CHOICE, .preset = "both",
+                  .choices = "both|lengths|widths",
+                  .summary = "drawn sizes of the transistors that are gauges "
+                             "without `gauges`"),
     OPC_PARAMETER(calibrate, litho, .type = OPC_SLOT, .flags = OPC_REQUIRED,
                   .choices = "litho", .summary = "model of the optics"),
     OPC_PARAMETER_NAMED("threshold", calibrate, range[THRESHOLD],

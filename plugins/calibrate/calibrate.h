@@ -41,10 +41,14 @@ typedef struct gauge {
 int gauges_read(const char *path, const eda_mask *const *masks, size_t n_masks,
                 gauge **out, size_t *count, opc_error *error);
 
-/* Make gauges from the transistors of all masks: length of poly and width of
-   active, at the middle of each gate, as drawn. A transistor is a group. */
-void gauges_of_gates(const eda_mask *const *masks, size_t n_masks, gauge **out,
-                     size_t *count);
+/* Drawn sizes of the transistors that are gauges: length of poly and width of
+   active, or one of both. */
+enum { DRAWN_BOTH, DRAWN_LENGTHS, DRAWN_WIDTHS };
+
+/* Make gauges from the transistors of all masks: the drawn sizes `drawn`
+   (DRAWN_*), at the middle of each gate. A transistor is a group. */
+void gauges_of_gates(const eda_mask *const *masks, size_t n_masks, int drawn,
+                     gauge **out, size_t *count);
 
 /* ---- model ---- */
 
@@ -129,7 +133,7 @@ typedef struct calibrate {
   const opc_module *litho;
   opc_reals range[TERMS];
   int64_t starts, folds;
-  int loss, leave;
+  int loss, leave, drawn;
   double margin, image_error, density_range;
   gauge *gauges;
   size_t count;

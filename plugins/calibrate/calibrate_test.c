@@ -326,6 +326,50 @@ static void test_masks(void) {
   eda_mask_free(second);
 }
 
+enum { ROW = 12 };
+
+/* Return a row of vertical gates with increasing lengths and widths, nm. */
+static eda_gates *gates_of_row(void) {
+  eda_gates *g = eda_gates_new(2, ROW);
+  g->grid = 1;
+  for (int i = 0; i < ROW; i++) {
+    g->box[i] = (eda_box){600 * i, 0, 600 * i + 100 + i, 200 + 10 * i};
+    g->length[i] = 100 + i;
+    g->width[i] = 200 + 10 * i;
+  }
+  g->extent = (eda_box){0, 0, 600 * ROW, 600};
+  return g;
+}
+
+/* Test which drawn sizes are gauges without a file. */
+static void test_drawn(void) {
+  static const char *const drawn[] = {"both", "lengths", "widths"};
+  eda_gates *gates = gates_of_row();
+  eda_mask *row = eda_mask_new(gates);
+  for (size_t k = 0; k < G_N_ELEMENTS(drawn); k++) {
+    opc_error error = {0};
+    g_autofree char *text =
+        g_strdup_printf("{ litho: { " LITHO
+                        " }, margin: 1500 nm, diffusion: [0 nm], starts: 1, "
+                        "folds: 0, drawn: %s }",
+                        drawn[k]);
+    g_autoptr(opc_module) m = module_of("calibrate", text);
+    opc_test_input(m, "mask", row);
+    opc_test_forget();
+    if (opc_test_run(m, NULL, &error)) g_error("%s", error.message);
+    size_t n = opc_test_rows("gauges");
+    g_assert_cmpuint(n, ==, k ? ROW : 2 * ROW);
+    for (size_t i = 0; i < n; i++) {
+      size_t gate = k ? i : i / 2;
+      int across = k ? k == 2 : i % 2;
+      g_assert_cmpfloat(opc_test_number("gauges", "measured", i), ==,
+                        across ? gates->width[gate] : gates->length[gate]);
+    }
+  }
+  eda_mask_free(row);
+  eda_gates_free(gates);
+}
+
 /* Free the masks before the step, as a flow does. The step must not use the
    masks after its run; AddressSanitizer finds such a use. */
 static void test_masks_freed_first(void) {
@@ -383,6 +427,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/calibrate/undetermined", test_undetermined);
   g_test_add_func("/calibrate/masks", test_masks);
   g_test_add_func("/calibrate/masks-freed-first", test_masks_freed_first);
+  g_test_add_func("/calibrate/drawn", test_drawn);
   g_test_add_func("/calibrate/refused", test_refused);
   int code = g_test_run();
   eda_mask_free(mask);

@@ -109,16 +109,18 @@ static gauge gauge_of_gate(const eda_gates *gates, size_t k, int across) {
                  .sd = 1};
 }
 
-void gauges_of_gates(const eda_mask *const *masks, size_t n_masks, gauge **out,
-                     size_t *count) {
+void gauges_of_gates(const eda_mask *const *masks, size_t n_masks, int drawn,
+                     gauge **out, size_t *count) {
+  size_t each = drawn == DRAWN_BOTH ? 2 : 1;
   *count = 0;
-  for (size_t m = 0; m < n_masks; m++) *count += 2 * masks[m]->gates->count;
+  for (size_t m = 0; m < n_masks; m++) *count += each * masks[m]->gates->count;
   *out = eda_alloc(*count, sizeof **out);
   gauge *g = *out;
   for (size_t m = 0; m < n_masks; m++)
-    for (size_t i = 0; i < 2 * masks[m]->gates->count; i++, g++) {
-      *g = gauge_of_gate(masks[m]->gates, i / 2, i % 2);
+    for (size_t i = 0; i < each * masks[m]->gates->count; i++, g++) {
+      int across = drawn == DRAWN_BOTH ? i % 2 : drawn == DRAWN_WIDTHS;
+      *g = gauge_of_gate(masks[m]->gates, i / each, across);
       g->mask = (int32_t)m;
-      g->group = (size_t)(g - *out) / 2;
+      g->group = (size_t)(g - *out) / each;
     }
 }
