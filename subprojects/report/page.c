@@ -253,7 +253,7 @@ static int add_facts(page *p, GString *out, eda_run *run, const char *label,
   text_member(out, "failure", running ? NULL : f->failure);
   append_member(out, "running");
   g_string_append(out, running ? "true" : "false");
-  number_member(out, "seconds", running ? NAN : f->seconds);
+  number_member(out, "seconds", running ? NAN : eda_run_time(run));
   number_member(out, "threads", (double)f->threads);
   add_metrics(out, f);
   add_parameters(out, f);

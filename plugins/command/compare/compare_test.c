@@ -169,6 +169,8 @@ static void test_seconds(void) {
   compare_good("{}", "slow", "fast");
   g_assert_cmpstr(opc_test_text("verdicts", "verdict", 0), ==,
                   "fast is better than slow in seconds by 50 % (1 case)");
+  g_assert_cmpfloat(opc_test_number("runs", "seconds", 0), ==, 8);
+  g_assert_cmpfloat(opc_test_number("runs", "seconds", 1), ==, 4);
 }
 
 static const char places_head[] =

@@ -44,8 +44,12 @@ int runs_publish(comparison *c, opc_error *error) {
   g_autofree run_row *r = g_new0(run_row, f->runs->len);
   for (guint i = 0; i < f->runs->len; i++) {
     const eda_run_facts *t = eda_run_info(f->runs->pdata[i]);
-    r[i] = (run_row){f->labels->pdata[i], t->folder,  t->variant,
-                     t->version,          t->seconds, t->started};
+    r[i] = (run_row){f->labels->pdata[i],
+                     t->folder,
+                     t->variant,
+                     t->version,
+                     eda_run_time(f->runs->pdata[i]),
+                     t->started};
   }
   const opc_column columns[] = {{"run", NULL, OPC_TEXT, 0, &r->label},
                                 {"folder", NULL, OPC_TEXT, 0, &r->folder},

@@ -115,7 +115,9 @@ static void test_figures(void) {
 /* All runs of an experiment folder, with the reason of a failed run. */
 static void test_experiment(void) {
   static const char *const folders[] = {"whole", NULL};
-  folder_make("whole/A/fast", (made_run){.metrics = RUN_ION("1.5")});
+  folder_make("whole/A/fast",
+              (made_run){.metrics = RUN_ION("1.5"),
+                         .more = "\"steps\" : { \"x\" : 6, \"y\" : 2 },"});
   folder_make("whole/A/fine", (made_run){.metrics = RUN_ION("0.5")});
   g_autofree char *top = g_build_filename(opc_test_folder(), "whole", NULL);
   put_file(top, "experiment.csv",
@@ -133,6 +135,8 @@ static void test_experiment(void) {
     g_assert_cmpstr(text_of(run, "case"), ==, "A");
     g_assert_cmpstr(text_of(run, "method"), ==, methods[i]);
     g_assert_cmpstr(text_of(run, "label"), ==, label);
+    if (!i) /* the time of the steps, not of the run */
+      g_assert_cmpfloat(json_object_get_double_member(run, "seconds"), ==, 8);
     JsonObject *ion = json_object_get_object_member(
         json_object_get_object_member(run, "metrics"), "mask.ion");
     g_assert_true(json_object_get_double_member(ion, "value") == 1.5 - i);

@@ -267,6 +267,13 @@ void eda_run_free(eda_run *run) {
 
 const eda_run_facts *eda_run_info(const eda_run *run) { return &run->facts; }
 
+double eda_run_time(const eda_run *run) {
+  const eda_run_facts *f = eda_run_info(run);
+  double sum = 0;
+  for (size_t i = 0; i < f->n_steps; i++) sum += f->steps[i].seconds;
+  return f->n_steps ? sum : f->seconds;
+}
+
 const eda_run_metric *eda_run_metric_of(const eda_run *run, const char *name) {
   for (size_t i = 0; i < run->facts.n_metrics; i++)
     if (!strcmp(run->facts.metrics[i].name, name))

@@ -39,18 +39,8 @@ static double metric_of(const eda_run *run, const char *name) {
   return NAN;
 }
 
-/* Return the time of the steps of a run, s. A step whose result was reused
-   counts with the time of its computation, which the manifest keeps; the time
-   of the run itself would depend on the store. */
-static double time_of(const eda_run *run) {
-  const eda_run_facts *f = eda_run_info(run);
-  double sum = 0;
-  for (size_t i = 0; i < f->n_steps; i++) sum += f->steps[i].seconds;
-  return f->n_steps ? sum : f->seconds;
-}
-
 static double figure_of(const eda_run *run, int figure) {
-  return figure == EDA_CHANGE_SECONDS ? time_of(run)
+  return figure == EDA_CHANGE_SECONDS ? eda_run_time(run)
                                       : metric_of(run, figures[figure].name);
 }
 

@@ -147,6 +147,12 @@ OPC_EXPORT void eda_run_free(eda_run *run);
 /* Return the contents of a run, owned by the run. [any] */
 OPC_EXPORT const eda_run_facts *eda_run_info(const eda_run *run);
 
+/* Return the time of the steps of a run, s; the time of the run if the run has
+   no steps. A step whose result was reused counts with the time of its
+   computation, which the manifest keeps; the time of the run itself depends on
+   the store. [any] */
+OPC_EXPORT double eda_run_time(const eda_run *run);
+
 /* Return a metric, or a parameter, by name; NULL if none exists. [any] */
 OPC_EXPORT const eda_run_metric *eda_run_metric_of(const eda_run *run,
                                                    const char *name);
