@@ -246,13 +246,9 @@ static void test_recovered(void) {
              (const uint8_t[HIDDEN]){1, 1, 1, 1});
 }
 
-/* Test that hidden optics and a hidden bias by density are found. Under the
-   sanitizer, this takes a minute, and other tests run the same code. */
+/* Test that hidden optics and a hidden bias by density are found. */
 static void test_optics(void) {
-#ifdef __SANITIZE_ADDRESS__
-  g_test_skip("accuracy is tested without the sanitizer");
-  return;
-#endif
+  if (opc_test_sanitized_skip()) return;
   run_trials(1,
              "na: [0.68, 0.8], sigma: [0.6, 0.9], defocus: [90 nm], "
              "bias_density: [-50 nm, 50 nm], density_range: 300 nm, "

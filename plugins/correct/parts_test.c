@@ -40,13 +40,16 @@ static void both_clear(both *b) {
   eda_layout_free(b->d.layout);
 }
 
-/* Return 24 transistors of two classes and one of a class of its own, which
-   deviates more: figures that ignore the numbers of transistors differ. */
-static drawing uneven(void) {
+/* 24 transistors of two classes and one of a class of its own, which deviates
+   more: figures that ignore the numbers of transistors differ. All tests share
+   these masks and must not change them. */
+static both uneven;
+
+static void uneven_set_up(void) {
   drawing d = eight_orientations();
   box(&d, d.top, "active", 0, -6000, 400, -5600);
   box(&d, d.top, "poly", 150, -6084, 250, -5516);
-  return d;
+  uneven = both_of(d);
 }
 
 /* Return the class of transistor i of a flat mask. */
@@ -146,7 +149,7 @@ static void expect_all(eda_table *want, eda_table *got) {
 }
 
 static void test_verify(void) {
-  both b = both_of(uneven());
+  both b = uneven;
   double want[G_N_ELEMENTS(verified)];
   opc_module *one = verification(b.flat), *two = verification(b.classes);
   eda_mask *truth = run_step(one);
@@ -185,7 +188,6 @@ static void test_verify(void) {
   eda_mask_free(again[0]);
   release_sample(two, out);
   release_sample(one, truth);
-  both_clear(&b);
 }
 
 /* ---- process.window ---- */
@@ -232,7 +234,7 @@ static opc_module *window_of(const eda_mask *mask) {
 }
 
 static void test_window(void) {
-  both b = both_of(uneven());
+  both b = uneven;
   double want[G_N_ELEMENTS(windows)];
   opc_test_module_free(window_of(b.flat));
   keep_metrics(windows, G_N_ELEMENTS(windows), want);
@@ -244,7 +246,6 @@ static void test_window(void) {
   expect_numbers("performance_window", currents, 0.08);
   size_t cuts = opc_test_table("cut_lines")->rows;
   g_assert_cmpuint(cuts, ==, 6 * b.classes->gates->count);
-  both_clear(&b);
 }
 
 /* ---- draw.image ---- */
@@ -269,7 +270,7 @@ static opc_module *image_of(const eda_mask *mask) {
 static void test_image(void) {
   static const char *const name[] = {"rms", "max"};
   double want[2];
-  both b = both_of(uneven());
+  both b = uneven;
   opc_test_module_free(image_of(b.flat));
   keep_metrics(name, 2, want);
   g_autoptr(GArray) truth = numbers_of("models");
@@ -277,7 +278,6 @@ static void test_image(void) {
   g_assert_cmpfloat(want[0], >, 1);
   expect_metrics(name, 2, want, 0.01);
   expect_numbers("models", truth, 0.01);
-  both_clear(&b);
 }
 
 /* ---- all transistors ---- */
@@ -385,20 +385,28 @@ static char *annotated(const both *b, const char *input, const void *of,
 /* The netlist of a mask by classes has the bytes of the netlist of a flat mask
    with the sizes of the classes. */
 static void test_netlist(void) {
-  both b = both_of(uneven());
+  both b = uneven;
+  size_t n = b.gates->count;
   const eda_performance *of = &b.classes->after;
-  eda_performance *to = &b.flat->after;
-  for (size_t i = 0; i < b.gates->count; i++) {
+  eda_mask sized = *b.flat;
+  sized.after.leq_ion = eda_alloc(n, sizeof(double));
+  sized.after.weq = eda_alloc(n, sizeof(double));
+  sized.after.area = eda_alloc(n, sizeof(double));
+  sized.flags = eda_alloc(n, sizeof *sized.flags);
+  for (size_t i = 0; i < n; i++) {
     size_t k = class_of(&b, i);
-    to->leq_ion[i] = of->leq_ion[k];
-    to->weq[i] = of->weq[k];
-    to->area[i] = of->area[k];
-    b.flat->flags[i] = b.classes->flags[k];
+    sized.after.leq_ion[i] = of->leq_ion[k];
+    sized.after.weq[i] = of->weq[k];
+    sized.after.area[i] = of->area[k];
+    sized.flags[i] = b.classes->flags[k];
   }
-  g_autofree char *want = annotated(&b, "gates", b.gates, b.flat),
+  g_autofree char *want = annotated(&b, "gates", b.gates, &sized),
                   *got = annotated(&b, "mask", b.classes, b.classes);
   g_assert_cmpstr(got, ==, want);
-  both_clear(&b);
+  free(sized.after.leq_ion);
+  free(sized.after.weq);
+  free(sized.after.area);
+  free(sized.flags);
 }
 
 /* ---- files ---- */
@@ -409,7 +417,7 @@ static void test_cost(void) {
   static const char *const name[] = {"rectangles", "rectangles_drawn",
                                      "shots",      "shots_drawn",
                                      "slivers",    "vertices"};
-  both b = both_of(uneven());
+  both b = uneven;
   const eda_mask *masks[] = {b.flat, b.classes};
   double want[G_N_ELEMENTS(name)];
   for (int k = 0; k < 2; k++) {
@@ -424,7 +432,6 @@ static void test_cost(void) {
   }
   g_assert_cmpfloat(want[0], >, want[1]); /* the correction adds rectangles */
   expect_metrics(name, G_N_ELEMENTS(name), want, 0);
-  both_clear(&b);
 }
 
 /* Return the area by which a layer of a file differs from shapes. */
@@ -470,7 +477,7 @@ static void test_klayout(void) {
 /* A mask that was saved and restored has the same transistors, figures and
    shapes. */
 static void test_restore(void) {
-  both b = both_of(uneven());
+  both b = uneven;
   opc_error error = {0};
   const eda_mask *all;
   void *outputs[] = {b.classes}, *again[] = {NULL};
@@ -497,11 +504,11 @@ static void test_restore(void) {
     g_assert_cmpfloat(shapes_difference(&all->shapes[k], &b.flat->shapes[k]),
                       ==, 0);
   release_sample(other, again[0]);
-  both_clear(&b);
 }
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
+  uneven_set_up();
   g_test_add_func("/parts/verify", test_verify);
   g_test_add_func("/parts/window", test_window);
   g_test_add_func("/parts/image", test_image);
@@ -510,5 +517,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/parts/cost", test_cost);
   g_test_add_func("/parts/klayout", test_klayout);
   g_test_add_func("/parts/restore", test_restore);
-  return g_test_run();
+  int code = g_test_run();
+  both_clear(&uneven);
+  return code;
 }

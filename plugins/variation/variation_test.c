@@ -89,14 +89,6 @@ static void condition_simulate(const variation *v, const double z[VARIABLES],
   eda_printer_clear(&p);
 }
 
-/* Number of simulated conditions, and whether the step is repeated. Both take
-   many seconds under the sanitizer and run no further code. */
-#ifdef __SANITIZE_ADDRESS__
-enum { CONDITIONS = 1, REPEATED = 0 };
-#else
-enum { CONDITIONS = 6, REPEATED = 1 };
-#endif
-
 /* Compare the surrogate with simulations at n normally distributed
    conditions. */
 static void surrogate_compare(const variation *v, uint32_t n) {
@@ -173,28 +165,27 @@ static opc_module *run_sample(const char *more, const eda_mask *mask) {
 }
 
 static void test_sample(void) {
+  if (opc_test_sanitized_skip()) return;
   opc_module *loop =
       module_make("correct",
                   "synthesizer: { use: synthesizer.dpb }, max_iterations: 6, "
                   "regulator: { use: regulator.drc, min_extension: 40 nm }");
   eda_mask *mask = run_step(loop, "gates", eda_gates_sample());
   opc_module *m = run_sample("chips: 2000", mask);
-  surrogate_compare(m->self, CONDITIONS);
+  surrogate_compare(m->self, 6);
   check_tables();
   double yield = opc_test_metric("yield"), q = opc_test_metric("leakage_q99");
   double sigma = opc_test_metric("ion_p_sigma");
   opc_test_module_free(m);
-  if (REPEATED) {
-    /* The same chips in another run. */
-    opc_test_module_free(run_sample("chips: 2000", mask));
-    g_assert_true(opc_test_metric("yield") == yield);
-    g_assert_true(opc_test_metric("leakage_q99") == q);
-    /* Without the dose, the variation is smaller. */
-    m = run_sample("chips: 2000, seed: 2, dose: 0 %, edges.sigma: 0 nm", mask);
-    opc_test_module_free(m);
-    g_assert_cmpuint(opc_test_rows("sources"), ==, SOURCES - 3);
-    g_assert_cmpfloat(opc_test_metric("ion_p_sigma"), <, sigma);
-  }
+  /* The same chips in another run. */
+  opc_test_module_free(run_sample("chips: 2000", mask));
+  g_assert_true(opc_test_metric("yield") == yield);
+  g_assert_true(opc_test_metric("leakage_q99") == q);
+  /* Without the dose, the variation is smaller. */
+  m = run_sample("chips: 2000, seed: 2, dose: 0 %, edges.sigma: 0 nm", mask);
+  opc_test_module_free(m);
+  g_assert_cmpuint(opc_test_rows("sources"), ==, SOURCES - 3);
+  g_assert_cmpfloat(opc_test_metric("ion_p_sigma"), <, sigma);
   void *outputs[1] = {mask};
   opc_test_release(loop, outputs);
   opc_test_module_free(loop);
@@ -294,6 +285,7 @@ static void test_delays(void) {
 /* If a line end barely covers the active, the leakage under overlay is not a
    polynomial: the step fails. */
 static void test_line_end(void) {
+  if (opc_test_sanitized_skip()) return;
   opc_module *loop = module_make(
       "correct", "synthesizer: { use: synthesizer.dpb }, max_iterations: 0");
   eda_mask *mask = run_step(loop, "gates", eda_gates_sample());

@@ -210,18 +210,6 @@ static void test_sum(void) {
     }
 }
 
-/* Skip an accuracy test under the sanitizer, where these tests take minutes.
-   The other tests run the same code. Return whether the test is
-   skipped. */
-static int skip_sanitized(void) {
-#ifdef __SANITIZE_ADDRESS__
-  g_test_skip("accuracy is tested without the sanitizer");
-  return 1;
-#else
-  return 0;
-#endif
-}
-
 #define WATER "na: 1.35, index: 1.437, "
 #define AIR "na: 0.93, "
 #define RIM WATER "source: annular, sigma_in: 0.65, "
@@ -229,7 +217,7 @@ static int skip_sanitized(void) {
 /* Test a grating with an extended source of 200,000 points. The image is the
    same for both halves of the source, so that one half suffices. */
 static void test_disks(void) {
-  if (skip_sanitized()) return;
+  if (opc_test_sanitized_skip()) return;
   static const struct {
     scanner s;
     const char *polarisation, *parameters;
@@ -293,7 +281,7 @@ static double difference(const eda_field *a, const eda_field *b, int turned) {
    remaining difference comes from the source points of litho.abbe (README), for
    other sources from the tables of litho.hopkins. */
 static void test_models(void) {
-  if (skip_sanitized()) return;
+  if (opc_test_sanitized_skip()) return;
   static const struct {
     const char *optics, *points, *kernels;
     double reach;
@@ -349,7 +337,7 @@ static const struct {
               {"litho.hopkins", "error: 1e-3"}};
 
 static void test_clear(void) {
-  if (skip_sanitized()) return;
+  if (opc_test_sanitized_skip()) return;
   static const char *const sources[] = {
       "defocus: 80 nm", "source: annular, sigma_in: 0.5",
       "source: dipole, sigma_in: 0.5, rotation: 30 deg"};
@@ -371,7 +359,7 @@ static void test_clear(void) {
 /* Test the limit of small NA, a scalar wave: NA and wavelength are a hundredth
    of the usual values. */
 static void test_paraxial(void) {
-  if (skip_sanitized()) return;
+  if (opc_test_sanitized_skip()) return;
   for (size_t m = 0; m < G_N_ELEMENTS(models); m++)
     for (size_t k = 0; k < G_N_ELEMENTS(polarised); k++)
       for (int steep = 0; steep < (m ? 1 : 2); steep++) {
@@ -402,7 +390,7 @@ static void test_paraxial(void) {
    and y are exchanged for the mask only, the image of light polarised along x
    changes. */
 static void test_turned(void) {
-  if (skip_sanitized()) return;
+  if (opc_test_sanitized_skip()) return;
   eda_box other[3];
   for (int i = 0; i < 3; i++)
     other[i] =

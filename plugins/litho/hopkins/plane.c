@@ -226,26 +226,56 @@ static void plane_solve(plane *p) {
   free(z);
 }
 
-/* Compute a row of nodes of all kernel tables. */
-static void plane_mix_row(void *data, size_t j) {
-  plane *p = data;
-  size_t nodes = (size_t)p->side * (size_t)p->side;
-  for (size_t node = j * (size_t)p->side; node < (j + 1) * (size_t)p->side;
-       node++)
-    for (size_t k = 0; k < p->available; k++) {
-      const float complex *a = p->shifted + node * p->n;
-      const float complex *v = p->vectors + k * p->n;
-      float re = 0, im = 0;
-      for (size_t s = 0; s < p->n; s++) {
-        re += crealf(a[s]) * crealf(v[s]) - cimagf(a[s]) * cimagf(v[s]);
-        im += crealf(a[s]) * cimagf(v[s]) + cimagf(a[s]) * crealf(v[s]);
-      }
-      p->table[k * nodes + node] = re + im * I;
-    }
-}
-
 static size_t nodes_of(const plane *p) {
   return (size_t)p->side * (size_t)p->side;
+}
+
+/* The vectors of all kernels, [part][kernel]. */
+typedef struct mixture {
+  plane *p;
+  float *re, *im;
+} mixture;
+
+/* Add (re + i im) v[k] to a[k], k < n. The loop is over the kernels, so that
+   the compiler vectorises it without changing the order of any sum. */
+static void mix_add(float *restrict a_re, float *restrict a_im, float re,
+                    float im, const float *restrict v_re,
+                    const float *restrict v_im, size_t n) {
+  for (size_t k = 0; k < n; k++) {
+    a_re[k] += re * v_re[k] - im * v_im[k];
+    a_im[k] += re * v_im[k] + im * v_re[k];
+  }
+}
+
+/* Compute a row of nodes of all kernel tables. */
+static void mix_row(void *data, size_t j) {
+  const mixture *m = data;
+  const plane *p = m->p;
+  size_t nodes = nodes_of(p), n = p->available, side = (size_t)p->side;
+  for (size_t node = j * side; node < (j + 1) * side; node++) {
+    const float complex *a = p->shifted + node * p->n;
+    float re[MOST] = {0}, im[MOST] = {0};
+    for (size_t s = 0; s < p->n; s++)
+      mix_add(re, im, crealf(a[s]), cimagf(a[s]), m->re + s * n, m->im + s * n,
+              n);
+    for (size_t k = 0; k < n; k++)
+      p->table[k * nodes + node] = re[k] + im[k] * I;
+  }
+}
+
+/* Compute the tables of all kernels. */
+static void plane_mix(plane *p, const opc_context *context) {
+  size_t n = p->available;
+  mixture m = {p, eda_alloc(n * p->n, sizeof *m.re),
+               eda_alloc(n * p->n, sizeof *m.im)};
+  for (size_t k = 0; k < n; k++)
+    for (size_t s = 0; s < p->n; s++) {
+      m.re[s * n + k] = crealf(p->vectors[k * p->n + s]);
+      m.im[s * n + k] = cimagf(p->vectors[k * p->n + s]);
+    }
+  opc_parallel(context, (size_t)p->side, mix_row, &m);
+  free(m.re);
+  free(m.im);
 }
 
 /* Fit D at each shift by least squares over pairs of nodes, so that S S D
@@ -402,7 +432,7 @@ kernels *plane_new(const opc_context *context, const optics *o, double defocus,
   p->base.weight = p->weights;
   opc_parallel(context, (size_t)p->side, fill_node_row, p);
   plane_solve(p);
-  opc_parallel(context, (size_t)p->side, plane_mix_row, p);
+  plane_mix(p, context);
   free(p->shifted);
   p->shifted = NULL;
   return &p->base;
