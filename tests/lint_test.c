@@ -207,7 +207,7 @@ static const char untried[] =
 
 /* Parameters for short simulations; NULL for the default parameters. */
 static const char few_points[] = "{ points_across: 8 }";
-static const char few_doses[] = "{ dose: [0 %, 2 %], defocus: [0 nm, 50 nm] }";
+static const char few_doses[] = "{ dose: [0 %, 2 %], defocus: [0 nm] }";
 
 static const struct {
   const char *folder, *id, *message;

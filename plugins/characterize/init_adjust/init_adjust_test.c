@@ -136,6 +136,7 @@ static double by_loop(int32_t length, int32_t width, int32_t grid, int adjust,
    results. The loop counts two more iterations, which move nothing. The chosen
    first correction is the best. */
 static void test_brute_force(void) {
+  if (opc_test_sanitized_skip()) return;
   step_characterize(
       "lengths: [70 nm], widths: [150 nm], w_step: proportional, "
       "from: -9 nm, to: 3 nm");

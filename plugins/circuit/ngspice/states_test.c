@@ -286,6 +286,7 @@ static void test_keeper(void) {
 
 /* Test DFF_X1 of the NanGate library, from its layout and CDL. */
 static void test_nangate(void) {
+  if (opc_test_sanitized_skip()) return;
   static const char *const inputs[] = {"d", "ck", NULL};
   static const event events[] = {{5, "D 1, CK 0>1", "q", 1},
                                  {5, "D 1, CK 0>1", "qn", 0},

@@ -122,7 +122,9 @@ typedef struct fit {
 
 static const int corners[4] = {0, 1, TURNS, TURNS + 1};
 
-/* Add the sample that the sum of by[k] D[at[k]] over k < n equals `value`. */
+/* Add the sample that the sum of by[k] D[at[k]] over k < n equals `value`. Only
+   the lower triangle of the matrix is computed; the factorisation does not read
+   the upper triangle. */
 static void fit_add_sample(fit *f, size_t n, const int *at, const double *by,
                            double value, double weight) {
   for (size_t k = 0; k < n; k++)
@@ -133,7 +135,8 @@ static void fit_add_sample(fit *f, size_t n, const int *at, const double *by,
     double *a = f->a->data + row * f->a->tda;
     f->b->data[row * f->b->stride] += weight * by[k] * value;
     for (size_t q = 0; q < n; q++)
-      if (at[q] >= TURNS) a[at[q] - TURNS] += weight * by[k] * by[q];
+      if (at[q] >= TURNS && at[q] <= at[k])
+        a[at[q] - TURNS] += weight * by[k] * by[q];
   }
 }
 
