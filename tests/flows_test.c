@@ -67,13 +67,10 @@ static void test_resolved(void) {
   expect_equal("demo", "again", "mask.gds");
 }
 
-/* Settings with a less accurate model, which execute the same code in a third
-   of the time. */
+/* A less accurate model, which executes the same code in less time. */
 #define LIGHT "--set", "mask.fine=1e-3", "--set", "mask.margin=1 um"
 
-/* Settings of a run on an emulated processor, without the step that draws.
-   Accurate simulations use the kernels of the fast ones, because computing
-   further kernels takes half of the time. */
+/* Settings on an emulated processor: no further kernels, no picture. */
 #define SHORT \
   "--set", "mask.fine=3e-3", "--set", "mask.margin=1 um", "--set", "picture=~"
 
