@@ -436,12 +436,21 @@ static void test_claims(void) {
   g_assert_true(other_claims(key));
 }
 
+/* The checksum of a build covers the libraries that the program needs. */
 static void test_builds(void) {
+  opc_error error = {0};
   opc_store *store = open_store();
   const char *own = opc_store_build(store, NULL);
   g_assert_nonnull(own);
   g_assert_cmpuint(strlen(own), ==, 64);
   g_assert_true(own == opc_store_build(store, NULL));
+  g_autofree char *sum = opc_file_sha256("/proc/self/exe", NULL, &error);
+  g_autofree char *alone =
+      g_compute_checksum_for_string(G_CHECKSUM_SHA256, sum, -1);
+  g_assert_cmpstr(own, !=, alone);
+  const char *library = opc_store_build(store, g_free);
+  g_assert_nonnull(library);
+  g_assert_cmpstr(own, !=, library);
   opc_store_close(store);
 }
 
