@@ -6,8 +6,8 @@
 
 static const opc_source source = {.name = (char *)"test"};
 
-/* Return the texts and stars of a list: "text|star;" for each (g_free). Of
-   paths, only the names without folders are returned. */
+/* Return the texts and stars of a list: "text|star;" for each (g_free). The
+   text of a path is its name without folders. */
 static char *values_text(const opc_values *v) {
   GString *all = g_string_new(NULL);
   for (guint i = 0; i < v->nodes->len; i++) {
