@@ -394,6 +394,34 @@ static void test_refused(void) {
   eda_layout_free(d.layout);
 }
 
+static double memory_of(const drawing *d, const char *divide) {
+  g_autofree char *more = g_strdup_printf(CHEAP ", divide: %s", divide);
+  opc_module *m = make_sample("correct", more);
+  const opc_step *step = m->functions;
+  opc_forecast out = {0};
+  opc_error error = {0};
+  opc_test_input(m, "layout", d->layout);
+  g_assert_false(step->forecast(m->self, &out, &error));
+  opc_test_module_free(m);
+  return out.memory;
+}
+
+/* A layout on one sheet needs the memory of the whole; a large one needs that
+   of a sheet. `auto` can decide for the whole. */
+static void test_forecast(void) {
+  drawing d = drawing_new();
+  place_sample(&d, 0, 0, 0, 0, 1);
+  double whole = memory_of(&d, "whole"), by = memory_of(&d, "environments");
+  g_assert_cmpfloat(fabs(by / whole - 1), <, 0.01);
+  for (int row = 0; row < 60; row++)
+    place_sample(&d, 0, 4000 * (row + 1), 0, 0, 60);
+  whole = memory_of(&d, "whole"), by = memory_of(&d, "environments");
+  g_assert_cmpfloat(by, <, whole / 3);
+  g_assert_cmpfloat(by, >, 1e8);
+  g_assert_true(memory_of(&d, "auto") == whole);
+  eda_layout_free(d.layout);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/chip/ways", test_orientations);
@@ -406,5 +434,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/chip/faults", test_faults);
   g_test_add_func("/chip/auto", test_auto);
   g_test_add_func("/chip/refused", test_refused);
+  g_test_add_func("/chip/forecast", test_forecast);
   return g_test_run();
 }
