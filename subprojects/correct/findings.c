@@ -151,21 +151,32 @@ void correct_findings_of_print(const opc_host *host, const eda_gates *g,
               outside, all);
 }
 
-int correct_findings_of_slices(const opc_host *host, const eda_mask *m,
-                               const opc_module *extractor, opc_error *error) {
+int correct_slices_add(const opc_host *host, const eda_mask *m,
+                       const uint32_t *count, const opc_module *extractor,
+                       eda_short_slices *sum, opc_error *error) {
   eda_measurement again;
-  eda_short_slices sum = {0};
-  char text[400];
-  if (m->chip || !m->gates->count) return OPC_OK;
   eda_measurement_init(&again, m->gates->count);
   int code = eda_measure_short(host->context, m->gates, m->print, extractor,
-                               NULL, &again, &sum, error);
+                               count, &again, sum, error);
   eda_measurement_clear(&again);
-  if (code) return code;
-  eda_short_slices_text(&sum, text, sizeof text);
+  return code;
+}
+
+int correct_slices_report(const opc_host *host, const eda_short_slices *sum,
+                          opc_error *error) {
+  char text[400];
+  eda_short_slices_text(sum, text, sizeof text);
   if (*text) host->log(host, OPC_LOG_FINDING, "%s", text);
-  const opc_metric_value value = {"short_slices", sum.below};
+  const opc_metric_value value = {"short_slices", sum->below};
   return opc_put_metrics(host, &value, 1, error);
+}
+
+int correct_findings_of_slices(const opc_host *host, const eda_mask *m,
+                               const opc_module *extractor, opc_error *error) {
+  eda_short_slices sum = {0};
+  if (!m->gates->count) return OPC_OK;
+  int code = correct_slices_add(host, m, NULL, extractor, &sum, error);
+  return code ? code : correct_slices_report(host, &sum, error);
 }
 
 /* ---- guard ---- */

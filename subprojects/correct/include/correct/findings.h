@@ -3,6 +3,7 @@
 #pragma once
 
 #include <eda/extractor.h>
+#include <eda/print.h>
 #include <opcflow/plugin.h>
 
 #include <correct/guard.h>
@@ -25,10 +26,21 @@ OPC_EXPORT void correct_findings_of_print(const opc_host *host,
                                           const uint32_t *flags,
                                           const uint32_t *before);
 
-/* Count the slices of a flat mask that are shorter than the device model
-   covers: log a finding and publish the metric `short_slices`. `mask` has the
-   printed images; the function does nothing for a mask by classes, or without
-   transistors. [main] */
+/* Add the slices of a flat mask to *sum. `mask` has the printed images.
+   `count`: number of transistors that each gate represents; NULL: one. [main]
+ */
+OPC_EXPORT int correct_slices_add(const opc_host *host, const eda_mask *mask,
+                                  const uint32_t *count,
+                                  const opc_module *extractor,
+                                  eda_short_slices *sum, opc_error *error);
+/* Log a finding if slices are shorter than the device model covers, and publish
+   the metric `short_slices`. [main] */
+OPC_EXPORT int correct_slices_report(const opc_host *host,
+                                     const eda_short_slices *sum,
+                                     opc_error *error);
+
+/* Add and report the slices of a flat mask; do nothing without transistors.
+   [main] */
 OPC_EXPORT int correct_findings_of_slices(const opc_host *host,
                                           const eda_mask *mask,
                                           const opc_module *extractor,
