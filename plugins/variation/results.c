@@ -2,7 +2,6 @@
 /* Tables and metrics of `variation`: distributions, yield, shares of the
    variance by source, and statistics of each transistor. */
 #include <eda/memory.h>
-#include <inttypes.h>
 #include <math.h>
 #include <opcflow/table.h>
 #include <stdio.h>
@@ -388,32 +387,46 @@ static int put_transistors(const variation *v, opc_error *error) {
 
 /* ---- single chips ---- */
 
+eda_samples *chips_sizes(const variation *v) {
+  const eda_gates *g = v->gates;
+  const circuit *c = &v->circuit;
+  eda_samples *out = eda_samples_new(g, (size_t)v->tables);
+  double *features = eda_alloc(v->surrogate.terms, sizeof *features);
+  for (size_t chip = 0; chip < out->count; chip++)
+    for (size_t i = 0; i < g->count; i++) {
+      double u[VARIABLES], figure[FIGURES];
+      circuit_variables(c, variation_stream, chip,
+                        c->tile_of ? c->tile_of[i] : 0, u);
+      surrogate_features(c->surrogate, u, features);
+      for (int k = 0; k < FIGURES; k++)
+        figure[k] = surrogate_at(c->surrogate, features, k, i);
+      double length = g->length[i] + figure[LENGTH];
+      length *= exp((double)c->edges[chip * g->count + i]);
+      eda_performance *p = &out->of[chip];
+      p->leq_ion[i] = length;
+      p->weq[i] = g->width[i] * exp(figure[WIDTH]);
+      p->area[i] = v->design.area[i] * exp(figure[AREA]);
+      p->ion[i] = v->design.ion[i] *
+                  exp(curves_at(c->curves, i, ION, length) + figure[WIDTH]);
+    }
+  free(features);
+  return out;
+}
+
 typedef struct chip_row {
   char transistor[300];
   const char *name;
   double length, width, area, ion;
 } chip_row;
 
-static int put_chip(const variation *v, uint64_t chip, double *features,
+static int put_chip(const variation *v, size_t chip, const eda_performance *p,
                     chip_row *r, opc_error *error) {
   const eda_gates *g = v->gates;
-  const circuit *c = &v->circuit;
   for (size_t i = 0; i < g->count; i++) {
-    double u[VARIABLES], figure[FIGURES];
-    circuit_variables(c, variation_stream, chip, c->tile_of ? c->tile_of[i] : 0,
-                      u);
-    surrogate_features(c->surrogate, u, features);
-    for (int k = 0; k < FIGURES; k++)
-      figure[k] = surrogate_at(c->surrogate, features, k, i);
-    double length = g->length[i] + figure[LENGTH];
-    length *= exp((double)c->edges[chip * g->count + i]);
-    r[i].length = length;
-    r[i].width = g->width[i] * exp(figure[WIDTH]);
-    r[i].area = 100 * (v->design.area[i] * exp(figure[AREA]) /
-                           (g->length[i] * g->width[i]) -
-                       1);
-    r[i].ion =
-        100 * expm1(curves_at(c->curves, i, ION, length) + figure[WIDTH]);
+    r[i].length = p->leq_ion[i];
+    r[i].width = p->weq[i];
+    r[i].area = 100 * (p->area[i] / (g->length[i] * g->width[i]) - 1);
+    r[i].ion = 100 * (p->ion[i] / v->design.ion[i] - 1);
     snprintf(r[i].transistor, sizeof r->transistor, "%s:%u",
              eda_gates_owner(g, i), (unsigned)g->number[i]);
     r[i].name = r[i].transistor;
@@ -424,7 +437,7 @@ static int put_chip(const variation *v, uint64_t chip, double *features,
                                 {"area_after", "%", OPC_REAL, -1, &r->area},
                                 {"ion_after", "%", OPC_REAL, -1, &r->ion}};
   char name[40];
-  snprintf(name, sizeof name, "chip%" PRIu64, chip + 1);
+  snprintf(name, sizeof name, "chip%zu", chip + 1);
   return opc_put_rows(v->host, name, 0, g->count, sizeof *r, OPC_ARRAY(columns),
                       error);
 }
@@ -451,13 +464,12 @@ static int put_figures(const variation *v, opc_error *error) {
   return code;
 }
 
-int chips_report(const variation *v, opc_error *error) {
-  double *features = eda_alloc(v->surrogate.terms, sizeof *features);
+int chips_report(const variation *v, const eda_samples *chips,
+                 opc_error *error) {
   chip_row *r = eda_alloc(v->gates->count, sizeof *r);
   int code = v->tables ? put_figures(v, error) : OPC_OK;
-  for (uint64_t k = 0; k < (uint64_t)v->tables && !code; k++)
-    code = put_chip(v, k, features, r, error);
-  free(features);
+  for (size_t k = 0; k < chips->count && !code; k++)
+    code = put_chip(v, k, &chips->of[k], r, error);
   free(r);
   return code;
 }
@@ -503,11 +515,11 @@ static void log_delays(const variation *v) {
                  100 * ion_tested, 100 * (double)beyond / (double)n);
 }
 
-int variation_report(variation *v, opc_error *error) {
+int variation_report(variation *v, const eda_samples *chips, opc_error *error) {
   log_findings(v);
   log_delays(v);
   int code = put_error(v, error);
-  if (!code) code = chips_report(v, error);
+  if (!code) code = chips_report(v, chips, error);
   if (!code) code = put_shares(v, error);
   if (!code) code = put_yield(v, error);
   if (!code) code = put_distributions(v, error);

@@ -145,7 +145,6 @@ static int variation_sample(variation *v, opc_error *error) {
 
 static int variation_run(void *self, void **outputs, opc_error *error) {
   variation *v = self;
-  (void)outputs;
   if (eda_mask_flat(v->given, &v->mask, error)) return error->code;
   v->gates = v->mask->gates;
   if (!v->gates->count)
@@ -162,8 +161,15 @@ static int variation_run(void *self, void **outputs, opc_error *error) {
   if (!code) circuit_set(v);
   if (!code) code = variation_sample(v, error);
   v->circuit.kept = 0; /* other streams follow */
-  if (!code) code = variation_report(v, error);
-  return code ? code : variation_draw(v, error);
+  if (code) return code;
+  eda_samples *chips = chips_sizes(v);
+  code = variation_report(v, chips, error);
+  if (!code) code = variation_draw(v, error);
+  if (code)
+    eda_samples_free(chips);
+  else
+    outputs[0] = chips;
+  return code;
 }
 
 static int variation_forecast(void *self, opc_forecast *out, opc_error *error) {
@@ -234,8 +240,8 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(variation, tables, .type = OPC_INT,
                   .flags = OPC_AT_LEAST | OPC_AT_MOST, .preset = "0", .min = 0,
                   .max = 1000,
-                  .summary = "Number of chips with a table of all transistors "
-                             "(chip1.csv ...), for other steps"),
+                  .summary = "Number of chips in the output, and with a table "
+                             "of all transistors (chip1.csv ...)"),
     OPC_PARAMETER(variation, seed, .type = OPC_INT, .preset = "1",
                   .summary = "Number that selects the sampled chips; masks "
                              "with equal seeds have equal conditions"),
@@ -339,7 +345,8 @@ static void variation_clear(void *self) {
 
 /* ---- entry ---- */
 
-static const opc_step functions = {.run = variation_run,
+static const opc_port outputs[] = {EDA_PORT_SAMPLES("chips")};
+static const opc_step functions = {OPC_OUTPUTS(outputs), .run = variation_run,
                                    .forecast = variation_forecast};
 
 OPC_PLUGIN(variation, .id = "variation", .kind = "step", .version = OPC_VERSION,

@@ -6,6 +6,7 @@
 #include <correct/settings.h>
 #include <eda/delays.h>
 #include <eda/print.h>
+#include <eda/samples.h>
 #include <opcflow/step.h>
 
 /* ---- sources of variation ---- */
@@ -353,10 +354,12 @@ typedef struct term_moments {
 } term_moments;
 void terms_sample(const variation *v, term_moments *m);
 
-int variation_report(variation *v, opc_error *error);
-/* Write the sizes of the transistors of each of the first circuit.kept chips as
-   a table. */
-int chips_report(const variation *v, opc_error *error);
+int variation_report(variation *v, const eda_samples *chips, opc_error *error);
+/* Compute the sizes of the transistors of the first v->tables chips. */
+eda_samples *chips_sizes(const variation *v);
+/* Write each of these chips as a table. */
+int chips_report(const variation *v, const eda_samples *chips,
+                 opc_error *error);
 /* Report the paths, and write the SDF file. */
 int delays_report(const variation *v, opc_error *error);
 int variation_draw(const variation *v, opc_error *error);

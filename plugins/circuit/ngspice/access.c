@@ -179,6 +179,14 @@ int accesses_find(bench *b, const cell *cells, size_t count, accesses *out,
     if (check_lines(b, &cells[i], error)) return error->code;
   const accesses_study s = {cells, out};
   for (int state = 0; state < EDA_STATES; state++)
-    out->of[state] = eda_pool_alloc(&b->pool, count, sizeof(access_figures));
+    if (!out->of[state])
+      out->of[state] = eda_pool_alloc(&b->pool, count, sizeof(access_figures));
   return jobs_run(b, 2 * count, 1, run_job, &s, error);
+}
+
+int cells_measure(bench *b, const cell *cells, size_t count, margins m[2],
+                  accesses *a, opc_error *error) {
+  for (b->reads = 0; b->reads < 2; b->reads++)
+    if (margins_find(b, cells, count, &m[b->reads], error)) return error->code;
+  return accesses_find(b, cells, count, a, error);
 }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <eda/netlist.h>
+#include <eda/samples.h>
 #include <eda/simulator.h>
 #include <glib.h>
 #include <opcflow/step.h>
@@ -21,6 +22,7 @@ typedef struct bench {
   /* Parameters. */
   const eda_circuit *circuit; /* parameter `circuit` */
   const eda_mask *mask;       /* NULL: simulate only drawn sizes */
+  const eda_samples *chips;   /* NULL: none */
   const char *models[2]; /* model files of the n- and p-transistors; [1] NULL:
                             same file as [0] */
   const char *model[2];
@@ -45,7 +47,8 @@ typedef struct bench {
   eda_circuit own;         /* copy of `circuit` with substituted models */
   eda_circuit plain;       /* copy of `circuit` with net names n0, n1 ... */
   const eda_mask *printed; /* `mask` or `sized` */
-  eda_mask sized;       /* copy of the mask with sizes from sizes_by_length */
+  eda_mask sized;       /* copy of the mask with sizes from sizes_by_length or
+                           of a chip */
   int has[EDA_STATES];  /* 1: this set of sizes is available */
   const char *cards[2]; /* absolute paths; [1] NULL: same as [0] */
   char *statements;     /* model statements of the library; NULL with `cards` */
@@ -341,6 +344,8 @@ int cell_put(bench_task *j, FILE *out, const cell *m, const char *name,
    which the access transistors conduct (b->reads), or do not. */
 const char *cell_connection(const bench *b, const cell *m, uint32_t net);
 
+/* Fill *out, which is zeroed before the first call; later calls with as many
+   cells overwrite the arrays. */
 int margins_find(bench *b, const cell *cells, size_t count, margins *out,
                  opc_error *error);
 
@@ -361,8 +366,21 @@ typedef struct accesses {
   access_figures *of[EDA_STATES];
 } accesses;
 
+/* Fill *out, as margins_find. */
 int accesses_find(bench *b, const cell *cells, size_t count, accesses *out,
                   opc_error *error);
+
+/* Find the margins of cells that hold [0] and that are read [1], and the
+   figures of access; all as margins_find. */
+int cells_measure(bench *b, const cell *cells, size_t count, margins m[2],
+                  accesses *a, opc_error *error);
+
+/* ---- chips.c: memory cells of sampled chips ---- */
+
+/* Simulate the cells of all chips, and report the distributions. `m`, `a`: from
+   cells_measure with the sizes of the mask; overwritten. */
+int chips_find(bench *b, const cell *cells, size_t count, margins m[2],
+               accesses *a, opc_error *error);
 
 /* ---- tables.c ---- */
 

@@ -235,6 +235,7 @@ int margins_find(bench *b, const cell *cells, size_t count, margins *out,
                  opc_error *error) {
   const study s = {cells, out};
   for (int state = 0; state < EDA_STATES; state++)
-    out->of[state] = eda_pool_alloc(&b->pool, count, sizeof(butterfly));
+    if (!out->of[state])
+      out->of[state] = eda_pool_alloc(&b->pool, count, sizeof(butterfly));
   return jobs_run(b, count, CHUNK, run_job, &s, error);
 }

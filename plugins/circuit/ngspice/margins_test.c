@@ -2,6 +2,8 @@
 /* Compares noise margins with squares from another algorithm, and with noise
    sources raised until the cell flips; and write margins, read currents and
    leakage with transients in a hand-written deck. */
+#include <eda/samples.h>
+
 #include "circuit_test.h"
 
 /* ---- reference: noise margins by squares ---- */
@@ -290,6 +292,63 @@ static void test_printed_access(void) {
                  "storage node 'Q' has no access transistor");
 }
 
+/* Figures of chips: those of the mask with the sizes of the chip, and their
+   mean and standard deviation. The smaller figure of both sides counts. */
+static void test_chips(void) {
+  enum { CHIPS = 3, FIGURES = 4 };
+  static const char *const columns[FIGURES] = {"hold margin", "read margin",
+                                               "write margin", "read current"};
+  if (!have_ngspice()) return;
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autoptr(made) m = circuit_make(MEMORY_PORTS, MEMORY);
+  eda_samples *chips = eda_samples_new(&m->gates, CHIPS);
+  for (size_t k = 0; k < CHIPS; k++)
+    for (size_t i = 0; i < m->gates.count; i++) {
+      chips->of[k].leq_ion[i] = m->length[i] * (1 + 0.02 * sin(7. * k + i));
+      chips->of[k].weq[i] = m->width[i] * (1 + 0.05 * cos(5. * k + i));
+      chips->of[k].area[i] = m->length[i] * m->width[i];
+    }
+  opc_error error;
+  void *none[1];
+  g_autofree char *map = g_strdup_printf(
+      "{ models: '%s', supply: 1.1 V, measure: cell, picture: c.png }", card);
+  g_autoptr(opc_module) step = opc_test_module("circuit.ngspice", map, &error);
+  opc_test_forget();
+  opc_test_input(step, "circuit", &m->circuit);
+  opc_test_input(step, "mask", &m->mask);
+  opc_test_input(step, "chips", chips);
+  if (opc_test_run(step, none, &error)) g_error("%s", error.message);
+  double got[CHIPS][FIGURES], mean[FIGURES], sigma[FIGURES];
+  for (size_t f = 0; f < FIGURES; f++) {
+    for (size_t k = 0; k < CHIPS; k++)
+      got[k][f] = opc_test_number("chip_cells", columns[f], k);
+    mean[f] = opc_test_number("chips", "mean", f);
+    sigma[f] = opc_test_number("chips", "sigma", f);
+    g_assert_cmpint((int)opc_test_number("chips", "failed", f), ==, 0);
+  }
+  double sum[FIGURES] = {0}, square[FIGURES] = {0};
+  for (size_t k = 0; k < CHIPS; k++) {
+    memcpy(m->leq[1], chips->of[k].leq_ion, m->gates.count * sizeof(double));
+    memcpy(m->weq[1], chips->of[k].weq, m->gates.count * sizeof(double));
+    circuit_run(m, 1, card, "measure: cell");
+    for (size_t f = 0; f < FIGURES; f++) {
+      double left = opc_test_number("cells", "value after", 2 * f);
+      double right = opc_test_number("cells", "value after", 2 * f + 1);
+      double want = fmin(left, right);
+      assert_near(columns[f], got[k][f], want, 1e-6);
+      sum[f] += want / CHIPS;
+      square[f] += want * want;
+    }
+  }
+  for (size_t f = 0; f < FIGURES; f++) {
+    double variance = (square[f] - CHIPS * sum[f] * sum[f]) / (CHIPS - 1);
+    assert_near("mean", mean[f], sum[f], 1e-6);
+    assert_near("sigma", sigma[f], sqrt(variance), 1e-3);
+    g_assert_cmpfloat(sigma[f], >, 0.005 * mean[f]);
+  }
+  eda_samples_free(chips);
+}
+
 /* Cells whose word lines and bit lines cannot be driven separately. */
 static void test_lines(void) {
   static const struct {
@@ -321,6 +380,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/circuit/access", test_access);
   g_test_add_func("/circuit/ports", test_ports);
   g_test_add_func("/circuit/printed-access", test_printed_access);
+  g_test_add_func("/circuit/chips", test_chips);
   g_test_add_func("/circuit/lines", test_lines);
   return g_test_run();
 }

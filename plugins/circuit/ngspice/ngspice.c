@@ -119,6 +119,10 @@ static int find_states(bench *b, opc_error *error) {
   if (b->mask && b->mask->gates != b->circuit->gates)
     return opc_fail(error, OPC_INVALID, "mask",
                     "the mask and the circuit belong to different gates");
+  if (b->chips && (!b->mask || b->chips->gates != b->mask->gates))
+    return opc_fail(error, OPC_INVALID, "chips",
+                    b->mask ? "the chips and the mask belong to different gates"
+                            : "'mask' is missing, required by 'chips'");
   b->printed = b->mask;
   if (b->sizes == SIZES_LENGTH && sizes_by_length(b, error)) return error->code;
   for (int state = 0; state < EDA_STATES; state++) {
@@ -214,19 +218,19 @@ static int pick_cell(const bench *b, cell *cells, size_t *count,
    margins of cells that are read. */
 static int run_cells(bench *b, const cell *cells, size_t count,
                      opc_error *error) {
-  margins m[2];
-  accesses a;
-  for (b->reads = 0; b->reads < 2; b->reads++)
-    if (margins_find(b, cells, count, &m[b->reads], error)) return error->code;
-  if (accesses_find(b, cells, count, &a, error) ||
+  margins m[2] = {{{NULL}}};
+  accesses a = {{NULL}};
+  if (cells_measure(b, cells, count, m, &a, error) ||
       accesses_report(b, cells, count, m, &a, error))
     return error->code;
   const char *path = picture_path(b, error);
-  return path ? draw_margins(b, cells, count, &m[1], path, error) : error->code;
+  if (!path || draw_margins(b, cells, count, &m[1], path, error))
+    return error->code;
+  return b->chips ? chips_find(b, cells, count, m, &a, error) : OPC_OK;
 }
 
 static int run_margins(bench *b, cell *cells, size_t count, opc_error *error) {
-  margins m;
+  margins m = {{NULL}};
   if (!count)
     return opc_fail(error, OPC_INVALID, "circuit",
                     "'%s' has no cross-coupled inverters", b->circuit->name);
@@ -277,6 +281,9 @@ static const opc_parameter parameters[] = {
                   .summary = "netlist matched with gates"),
     OPC_PARAMETER(bench, mask, .type = OPC_INPUT, .choices = "mask",
                   .summary = "corrected mask with printed image"),
+    OPC_PARAMETER(bench, chips, .type = OPC_INPUT, .choices = "samples",
+                  .summary = "sampled chips of the mask, for distributions of "
+                             "the figures of `measure: cell`"),
     OPC_PARAMETER_NAMED(
         "models", bench, models[0], .type = OPC_FILE,
         .summary = "file with the model cards; required without `library`"),
@@ -432,6 +439,17 @@ static const opc_metric metrics[] = {
                 "bit line voltage that writes a cell"),
     CELL_FIGURE("read_current", "uA", OPC_HIGHER, "read current of a cell"),
     CELL_FIGURE("cell_leakage", "pA", OPC_LOWER, "leakage of a cell"),
+    {"hold_margin_sigma", "mV", OPC_LOWER, 0.01,
+     "standard deviation over chips of the noise margin of holding cells"},
+    {"read_margin_sigma", "mV", OPC_LOWER, 0.01,
+     "standard deviation over chips of the noise margin of cells that are "
+     "read"},
+    {"write_margin_sigma", "mV", OPC_LOWER, 0.01,
+     "standard deviation over chips of the write margin"},
+    {"read_current_sigma", "uA", OPC_LOWER, 0.01,
+     "standard deviation over chips of the read current"},
+    {"failed_cells", NULL, OPC_LOWER, 0,
+     "cells of chips that do not hold, or lose their value when they are read"},
 };
 
 static int circuit_check(void *self, opc_error *error) {
@@ -456,6 +474,9 @@ static int circuit_check(void *self, opc_error *error) {
     return opc_fail(error, OPC_INVALID, "edges",
                     "'edges' must be two thresholds between 0 and 100 %%, one "
                     "below and one above 50 %%");
+  if (b->chips && b->measure != CELL)
+    return opc_fail(error, OPC_INVALID, "chips",
+                    "'chips' requires 'measure: cell'");
   if (b->corner && !eda_spice_is_name(b->corner))
     return opc_fail(error, OPC_INVALID, "corner",
                     "'%s' is not the name of a section", b->corner);

@@ -32,6 +32,7 @@
 #include <eda/resist.h>
 #include <eda/rules.h>
 #include <eda/runs.h>
+#include <eda/samples.h>
 #include <eda/sdf.h>
 #include <eda/segment.h>
 #include <eda/settings.h>
