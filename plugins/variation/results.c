@@ -497,7 +497,7 @@ static void log_findings(const variation *v) {
 }
 
 /* Largest deviation of the mean Ion of n or p, relative to drawn, within which
-   the delays of c432 agree with those of timing.paths (README). */
+   delays are linear in the logarithms of the sizes (README). */
 static const double ion_tested = 0.25;
 
 static void log_delays(const variation *v) {
