@@ -204,6 +204,7 @@ static void test_help(void) {
   expect_in(out, "Print the command line");
   expect_in(out, "\nVerbs of plugins:\n");
   expect_in(out, "  echo ");
+  expect_in(out, "\n'opcflow help VERB' prints the options of a verb.\n");
   g_assert_null(strstr(out, "complete"));
   static const char *const lines[] = {"help try", "try --help"};
   for (int i = 0; i < 2; i++) {
@@ -320,6 +321,7 @@ static void test_run(void) {
   put_text("flow.yaml", FLOW);
   g_assert_cmpint(command("run --output plain"), ==, 0);
   g_assert_true(g_str_has_prefix(out, "plain: "));
+  g_assert_true(g_str_has_suffix(out, " s\n"));
   g_assert_cmpstr(err, ==, "");
   g_assert_cmpint(command("run --output told --set a.behave=well"), ==, 0);
   g_assert_true(g_str_has_prefix(out, "a.numbers\n"));
@@ -351,6 +353,14 @@ static void test_run_usage(void) {
   }
   g_assert_cmpint(g_remove("flow.yaml"), ==, 0);
   expect("run", 2, "", "error: 'run' requires FLOW, see 'opcflow help run'\n");
+}
+
+static void test_threads(void) {
+  unsigned before = opc_threads();
+  g_assert_cmpint(cli_set_threads(NULL), ==, -1);
+  g_assert_cmpuint(opc_threads(), ==, before);
+  g_assert_cmpint(cli_set_threads("3"), ==, -1);
+  g_assert_cmpuint(opc_threads(), ==, 3);
 }
 
 /* The exit code names the kind of the problem; files of the finished steps are
@@ -437,6 +447,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/cli/forecasts", test_forecasts);
   g_test_add_func("/cli/run", test_run);
   g_test_add_func("/cli/run-usage", test_run_usage);
+  g_test_add_func("/cli/threads", test_threads);
   g_test_add_func("/cli/run-failures", test_run_failures);
   g_test_add_func("/cli/variants", test_variants);
   g_test_add_func("/cli/sweep", test_sweep);
