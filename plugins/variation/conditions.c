@@ -302,13 +302,15 @@ static int batch_run(conditions *c, const batch *b, size_t *at,
   return code;
 }
 
-/* Compute the effect of line edges of all gates. */
+/* Compute the effect of line edges and mismatch of a gate. */
 static void rough_gate(void *data, size_t i) {
   const nominal_slices *n = ((void **)data)[0];
   const roughness_moments *m = ((void **)data)[1];
   const variation *v = n->v;
   roughness_of_gate(&v->rough, m, i, n->slices, n->width + i * n->slices,
                     n->length + i * n->slices, v->effect + i * KNOTS);
+  mismatch_add(&v->mismatch, v->gates->length[i] * v->gates->width[i],
+               v->effect + i * KNOTS);
 }
 
 /* Measure the nominal condition: curves, nominal lengths, and the effect of

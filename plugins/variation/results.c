@@ -219,7 +219,7 @@ static int put_shares(const variation *v, opc_error *error) {
   if (!code) code = share_sample(v, other, work, b, error);
   for (int s = 0; s < SOURCES && !code; s++) {
     double sigma = s == SOURCE_EDGES ? v->rough.sigma : v->sigma[s];
-    if (!(sigma > 0)) continue;
+    if (!(sigma > 0 || (s == SOURCE_EDGES && v->mismatch.vt > 0))) continue;
     memcpy(mixed, variation_stream, sizeof mixed);
     mixed[s] = other[s];
     code = share_sample(v, mixed, work, ab, error);

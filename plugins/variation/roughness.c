@@ -206,6 +206,21 @@ static roughness_effect effect_at(const roughness_moments *m, size_t gate,
   return effect_of(all, mean, sum);
 }
 
+void mismatch_add(const mismatch *m, double area, roughness_effect e[KNOTS]) {
+  const double um2 = 1e6; /* nm^2 */
+  double volts = m->vt * sqrt(um2 / area);
+  const double by[CURRENTS] = {m->ion * volts, M_LN10 / m->swing * volts};
+  if (m->vt == 0) return;
+  for (int k = 0; k < KNOTS; k++) {
+    double s[CURRENTS] = {(double)e[k].sigma[ION], (double)e[k].sigma[IOFF]};
+    double both = (double)e[k].correlation * s[ION] * s[IOFF];
+    for (int q = 0; q < CURRENTS; q++)
+      e[k].sigma[q] = (float)(s[q] = hypot(s[q], by[q]));
+    both += by[ION] * by[IOFF];
+    e[k].correlation = both > 0 ? (float)(both / (s[ION] * s[IOFF])) : 0;
+  }
+}
+
 void roughness_of_gate(const roughness *r, const roughness_moments *m,
                        size_t gate, size_t slices, const double *width,
                        const double *length, roughness_effect out[KNOTS]) {

@@ -200,11 +200,38 @@ static void test_contours(void) {
   }
 }
 
+/* Sample a threshold voltage in addition to correlated changes of both
+   currents; 0.25 um^2, so that its standard deviation is 8 mV. */
+static void test_mismatch(void) {
+  enum { N = 100000 };
+  const mismatch m = {0.004, 2, 0.08};
+  roughness_effect e[KNOTS];
+  double sum[3] = {0};
+  for (int k = 0; k < KNOTS; k++)
+    e[k] = (roughness_effect){{0.1F, 0.2F}, {0.02F, 0.3F}, 0.6F};
+  mismatch_add(&m, 0.25e6, e);
+  for (uint64_t i = 0; i < N; i++) {
+    double a = normal_at(1, 0, i, 0), b = normal_at(1, 0, i, 1);
+    double volts = 0.008 * normal_at(1, 0, i, 2);
+    double on = 0.02 * a - 2 * volts;
+    double off = 0.3 * (0.6 * a + 0.8 * b) - log(10) * volts / 0.08;
+    sum[0] += on * on / N;
+    sum[1] += off * off / N;
+    sum[2] += on * off / N;
+  }
+  const roughness_effect *one = &e[KNOTS - 1];
+  assert_near((double)one->sigma[ION], sqrt(sum[0]), 0.01);
+  assert_near((double)one->sigma[IOFF], sqrt(sum[1]), 0.01);
+  assert_near((double)one->correlation, sum[2] / sqrt(sum[0] * sum[1]), 0.01);
+  g_assert_true(one->shift[ION] == 0.1F && one->shift[IOFF] == 0.2F);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/roughness/equal", test_equal);
   g_test_add_func("/roughness/short", test_short);
   g_test_add_func("/roughness/none", test_none);
   g_test_add_func("/roughness/contours", test_contours);
+  g_test_add_func("/roughness/mismatch", test_mismatch);
   return g_test_run();
 }

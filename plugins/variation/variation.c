@@ -156,6 +156,9 @@ static int variation_run(void *self, void **outputs, opc_error *error) {
                         ? "the delays and the mask belong to different gates"
                         : "the delays have no transistors: give 'circuit' to "
                           "the step that computes the delays");
+  if (v->mismatch.vt == 0)
+    v->host->log(v->host, OPC_LOG_INFO,
+                 "'mismatch.vt' is 0: mismatch by dopants is not included");
   int code = variation_divide(v, error);
   if (!code) code = variation_respond(v, error);
   if (!code) circuit_set(v);
@@ -227,6 +230,13 @@ static const opc_parameter parameters[] = {
                         .flags = OPC_ABOVE | OPC_AT_MOST, .preset = "0.5",
                         .min = 0, .max = 1,
                         .summary = "Hurst exponent of a line edge"),
+    SIGMA("mismatch.vt", mismatch.vt, "V", "0 V",
+          "Standard deviation of the threshold voltage of a transistor with "
+          "W L = 1 um^2, by dopants"),
+    SIGMA("mismatch.ion", mismatch.ion, NULL, "1.6",
+          "Decrease of ln Ion for each V of threshold voltage"),
+    ABOVE_0("mismatch.swing", mismatch.swing, "V", "0.1 V",
+            "Threshold voltage that decreases Ioff by a decade"),
     ABOVE_0("ion_error", ion_error, "%", "0.3 %",
             "Largest error (rms) of Ion by the surrogate"),
     ABOVE_0("ioff_error", ioff_error, NULL, "0.02",

@@ -149,6 +149,18 @@ void roughness_of_gate(const roughness *r, const roughness_moments *m,
                        size_t gate, size_t slices, const double *width,
                        const double *length, roughness_effect out[KNOTS]);
 
+/* Mismatch: standard deviation of the threshold voltage of a transistor with
+   W L = 1 um^2, V (inversely proportional to the root of W L: M. J. M. Pelgrom
+   et al., IEEE J. Solid-State Circuits 24, 1433 (1989)). A threshold higher by
+   dV changes ln Ion by -ion dV, and log10 Ioff by -dV / swing. */
+typedef struct mismatch {
+  double vt, ion, swing;
+} mismatch;
+
+/* Add the mismatch of a gate with the drawn W L `area`, nm^2, to the effect of
+   its line edges, which is independent. [any] */
+void mismatch_add(const mismatch *m, double area, roughness_effect e[KNOTS]);
+
 /* ---- normals.c ---- */
 
 /* Return number `k` of a stream of standard normal numbers of a chip. All
@@ -308,6 +320,7 @@ typedef struct variation {
   double dose, focus, mask_edge, overlay; /* sigma */
   double field_dose, field_focus, field_overlay, field_length;
   roughness rough;
+  mismatch mismatch;
   double ion_error, ioff_error, length_error;
   double leakage_limit, speed_limit, ion_limit;
   int64_t chips, seed, tables;
