@@ -253,8 +253,11 @@ void repair_keep_segment(const drc *r, const site *s, repair *one, int side);
    within tuned.corner, if the present displacement is permitted there, too. A
    segment may end before a corner if the contact extends over a concave corner:
    both edges of the corner are equally near, and the nearest edge that was
-   found is perpendicular to the side. */
-void repair_extend(const drc *r, repair *one, int side);
+   found is perpendicular to the side. If the segment ends at these corners, a
+   shape of poly is extended over `at`. This is a short edge of the mask, from
+   the end of the shape to the next jog. */
+void repair_extend(const drc *r, const eda_printed *printed, repair *one,
+                   int side, const eda_rule_fault *at);
 
 /* ---- repairs.c: failing sites and repair shapes ---- */
 

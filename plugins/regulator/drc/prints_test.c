@@ -65,10 +65,11 @@ static void test_near_neighbour(void) {
   chip_end(&c);
 }
 
-/* Set the mask of poly to the drawn shapes and the added shapes, merged. The
-   caller frees the mask. Return the number of edges below 20 nm. */
-static size_t mask_follow(chip *c) {
+/* Set the mask of poly to the drawn shapes, the added shapes and `more`,
+   merged. The caller frees the mask. Return the number of edges below 20 nm. */
+static size_t mask_with(chip *c, eda_box more) {
   boxes added = {0};
+  add_box(&added, more.x0, more.y0, more.x1, more.y1);
   eda_rule_fault *fault;
   opc_error error;
   for (size_t i = 0; i < c->ruling.added[EDA_POLY].count; i++) {
@@ -82,6 +83,51 @@ static size_t mask_follow(chip *c) {
   size_t n = eda_rules_check(&c->mask[EDA_POLY], 1, limit, &fault);
   free(fault);
   return n;
+}
+
+static size_t mask_follow(chip *c) {
+  return mask_with(c, c->ruling.added[EDA_POLY].box[0]);
+}
+
+/* The right edge of a line is displaced beside a contact, but not over its
+   whole length, because of a neighbour. A synthesizer sets a jog above or below
+   the shape. If the edge between the shape and the jog is below min_edge, the
+   shape extends to the jog. */
+static void test_jog_near_shape(void) {
+  /* The line with its pad, and the neighbour. */
+  static const eda_point drawn[] = {
+      {0, -200}, {65, -200}, {65, 400},  {0, 400},   {0, 97},    {-85, 97},
+      {-85, 0},  {0, 0},     {100, 250}, {300, 250}, {300, 400}, {100, 400}};
+  for (int k = 0; k < 4; k++) {
+    g_autoptr(opc_module) m =
+        drc_make("{ overlay: 10 nm, min_edge: 20 nm, min_space: 40 nm }");
+    chip c = {0};
+    boxes *poly = &c.drawn[EDA_POLY];
+    memcpy(poly->points, drawn, sizeof drawn);
+    poly->start[1] = 8;
+    poly->start[2] = G_N_ELEMENTS(drawn);
+    poly->shapes = (eda_shapes){2, poly->start, poly->points, NULL};
+    add_box(&c.drawn[CONTACT], -25, 7, 59, 91);
+    add_box(&c.printed[EDA_POLY], -95, -200, 65, 400);
+    chip_show(&c);
+    chip_judge(m, &c);
+    g_assert_cmpuint(c.ruling.added[EDA_POLY].count, ==, 1);
+    eda_box b = c.ruling.added[EDA_POLY].box[0];
+    g_assert_cmpint(b.y0, >, -150);
+    g_assert_cmpint(b.y1, <, 200);
+    int32_t away = k & 1 ? 30 : 9;
+    eda_box jog = k & 2 ? (eda_box){40, -200, 66, b.y0 - away}
+                        : (eda_box){40, b.y1 + away, 66, 400};
+    g_assert_cmpuint(mask_with(&c, jog), ==, !(k & 1));
+    chip_judge(m, &c);
+    eda_shapes_clear(&c.mask[EDA_POLY]);
+    eda_box to = c.ruling.added[EDA_POLY].box[0];
+    g_assert_cmpint(to.y0, ==, k == 2 ? jog.y1 : b.y0);
+    g_assert_cmpint(to.y1, ==, k == 0 ? jog.y0 : b.y1);
+    g_assert_cmpuint(mask_with(&c, jog), ==, 0);
+    eda_shapes_clear(&c.mask[EDA_POLY]);
+    chip_end(&c);
+  }
 }
 
 /* A pad at the right of a line, and a contact that extends over the concave
@@ -286,6 +332,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/regulator/enclosure", test_enclosure);
   g_test_add_func("/regulator/concave-corner", test_concave_corner);
+  g_test_add_func("/regulator/jog-near-shape", test_jog_near_shape);
   g_test_add_func("/regulator/width", test_width);
   g_test_add_func("/regulator/near_neighbour", test_near_neighbour);
   g_test_add_func("/regulator/contact", test_contact);

@@ -237,15 +237,16 @@ static void site_clear(drc *r, const eda_printed *p, site *wrong) {
   shapes_reduce(r, p, wrong, near, step, 0);
 }
 
-/* Extend the repair shapes of a contact that touch `place` to the corners of
-   the drawn edges. */
+/* Extend the repair shapes of a contact that touch `place`, around a short
+   edge. */
 static void shapes_extend(const drc *r, const eda_printed *p, repair *one,
-                          size_t layer, eda_box place) {
+                          size_t layer, eda_box place,
+                          const eda_rule_fault *edge) {
   const site *of = &r->sites[one->site];
   if (of->layer != layer || of->kind != SITE_ENCLOSURE) return;
   for (int k = 0; k < SIDES; k++)
     if (one->grow[k] && eda_boxes_touch(repair_shape(r, p, one, k), place))
-      repair_extend(r, one, k);
+      repair_extend(r, p, one, k, edge);
 }
 
 /* Extend the repair shapes that end at edges below min_edge. */
@@ -267,7 +268,7 @@ static void edges_repair(drc *r, const eda_printed *p, size_t layer,
     if (fault->rule != EDA_RULE_EDGE) continue;
     eda_finder f = eda_index_find(sites.index, eda_box_grown(place, far));
     for (uint32_t k; eda_index_next(&f, &k);)
-      shapes_extend(r, p, &r->repairs[k], layer, place);
+      shapes_extend(r, p, &r->repairs[k], layer, place, fault);
   }
   places_clear(&sites);
 }

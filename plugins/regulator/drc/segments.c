@@ -234,7 +234,26 @@ static int segment_find_edge(const drc *r, const repair *one, int side,
   return 0;
 }
 
-void repair_extend(const drc *r, repair *one, int side) {
+/* Extend a segment over an edge of the mask if that is a part of the drawn edge
+   and begins at an end of `shape`, the shape of the segment. `x`, `y`: middle
+   of the edge; `n`: its length; grid units. */
+static void segment_cover(eda_box shape, repair *one, int side, double x,
+                          double y, double n) {
+  int upright = side_upright(side);
+  double middle = upright ? y : x, beside = upright ? x : y;
+  double drawn = side == LEFT    ? shape.x0 + one->grow[side]
+                 : side == RIGHT ? shape.x1 - one->grow[side]
+                 : side == BELOW ? shape.y0 + one->grow[side]
+                                 : shape.y1 - one->grow[side];
+  if (fabs(beside - drawn) > 1) return;
+  if (fabs(middle - n / 2 - (upright ? shape.y1 : shape.x1)) < 0.1)
+    one->to[side] += (int32_t)lround(n);
+  if (fabs(middle + n / 2 - (upright ? shape.y0 : shape.x0)) < 0.1)
+    one->from[side] -= (int32_t)lround(n);
+}
+
+void repair_extend(const drc *r, const eda_printed *printed, repair *one,
+                   int side, const eda_rule_fault *at) {
   const site *s = &r->sites[one->site];
   repair longer = *one;
   eda_box edge;
@@ -242,6 +261,10 @@ void repair_extend(const drc *r, repair *one, int side) {
   segment_snap(r, &longer, side, edge);
   if (longer.from[side] > one->from[side]) longer.from[side] = one->from[side];
   if (longer.to[side] < one->to[side]) longer.to[side] = one->to[side];
+  if (s->layer == EDA_POLY && longer.from[side] == one->from[side] &&
+      longer.to[side] == one->to[side])
+    segment_cover(repair_shape(r, printed, one, side), &longer, side,
+                  at->x / r->grid, at->y / r->grid, at->value / r->grid);
   if (longer.from[side] == one->from[side] && longer.to[side] == one->to[side])
     return;
   int32_t most = outward_limit(r, s, &longer, side);
