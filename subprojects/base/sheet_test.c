@@ -66,10 +66,43 @@ static void test_text(void) {
                   "| a,\"b\" | 7 |\n| c\\|d e | 12 |\n");
 }
 
+/* Check the text of a table with the columns name, unit or first, and a
+   number. The cells are separated by blanks. */
+static void expect_wide(const char *cells, size_t width, const char *expected) {
+  g_auto(GStrv) words = g_strsplit(cells, " ", -1);
+  g_autoptr(opc_sheet) s = opc_sheet_new(3);
+  s->left[0] = TRUE;
+  s->left[1] = g_str_equal(words[1], "unit");
+  for (char **w = words; *w; w++) g_ptr_array_add(s->cells, g_strdup(*w));
+  g_autofree char *text = opc_sheet_text(s, width);
+  g_assert_cmpstr(text, ==, expected);
+}
+
+/* A table that is too wide is printed without constant columns, transposed, or
+   in blocks that repeat the columns that identify a row. */
+static void test_wide(void) {
+  static const char units[] = "name unit ion a nm 1 bb nm 22";
+  expect_wide(units, 15, "name  unit  ion\na     nm      1\nbb    nm     22\n");
+  expect_wide(units, 14,
+              "name  ion\na       1\nbb     22\nin all rows: unit nm\n");
+  static const char one[] = "name first second a 1 4";
+  expect_wide(one, 18, "name    a\nfirst   1\nsecond  4\n");
+  static const char blocks[] = "name first second a 1 4 b 2 5 c 3 6";
+  expect_wide(blocks, 18,
+              "name  first\na         1\nb         2\nc         3\n\n"
+              "name  second\na          4\nb          5\nc          6\n");
+  /* The names are equal in two rows, so that the units identify rows, too. */
+  static const char keys[] = "name unit drain-current a nm 1 a um 2 b nm 3";
+  expect_wide(keys, 24,
+              "name  unit  drain-current\na     nm                1\n"
+              "a     um                2\nb     nm                3\n");
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/sheet/csv", test_csv);
   g_test_add_func("/sheet/marks", test_marks);
   g_test_add_func("/sheet/text", test_text);
+  g_test_add_func("/sheet/wide", test_wide);
   return g_test_run();
 }
