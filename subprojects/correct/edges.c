@@ -63,17 +63,31 @@ static int32_t half_of(int32_t all, int high) {
   return high ? all - low : low;
 }
 
+/* Return the outward displacement of an active edge at an end of a gate's
+   width. */
+static int32_t width_move(const biases *b, size_t i, int high) {
+  const eda_moved *base = b->base;
+  int32_t aside = b->aside[i] + (base ? base->aside[i] : 0), by = 0;
+  if (base) by = half_of(base->w[i], high != !!(base->flip[i] & EDA_FLIP_W));
+  return by + half_of(b->w[i], high) + (high ? aside : -aside);
+}
+
+void correct_biases_add_base(const biases *b, size_t gates, biases *out) {
+  for (size_t i = 0; i < gates; i++) {
+    int32_t low = width_move(b, i, 0);
+    out->w[i] = low + width_move(b, i, 1);
+    out->aside[i] = half_of(out->w[i], 0) - low;
+    out->l[i] = b->l[i] + b->base->l[i];
+  }
+}
+
 /* Return the outward displacement of a fragment at a gate's width or line end;
    0 for a fixed fragment. */
 static int32_t move_of(const eda_fragment *f, const biases *b) {
   const eda_moved *base = b->base;
-  int32_t i = f->gate, by = 0;
-  if (f->role == EDA_W_LOW || f->role == EDA_W_HIGH) {
-    int high = f->role == EDA_W_HIGH;
-    int32_t aside = b->aside[i] + (base ? base->aside[i] : 0);
-    if (base) by = half_of(base->w[i], high != !!(base->flip[i] & EDA_FLIP_W));
-    return by + half_of(b->w[i], high) + (high ? aside : -aside);
-  }
+  int32_t i = f->gate;
+  if (f->role == EDA_W_LOW || f->role == EDA_W_HIGH)
+    return width_move(b, (size_t)i, f->role == EDA_W_HIGH);
   if (f->role != EDA_END_LOW && f->role != EDA_END_HIGH) return 0;
   int32_t end = 2 * i + (f->role == EDA_END_HIGH);
   return b->end[end] + (base ? base->end[end] : 0);

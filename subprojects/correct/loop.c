@@ -140,12 +140,13 @@ int correct_loop_print(loop *l, int all, opc_error *error) {
 /* ---- calls of plugins ---- */
 
 eda_printed correct_loop_printed(const loop *l) {
+  const biases *b = correct_start_whole(l);
   return (eda_printed){.iteration = l->iterations,
                        .gates = l->gates,
                        .flags = l->measured.flags,
-                       .l = l->now.biases.l,
-                       .w = l->now.biases.w,
-                       .aside = l->now.biases.aside,
+                       .l = b->l,
+                       .w = b->w,
+                       .aside = b->aside,
                        .extension = correct_corners_extension(l),
                        .shapes = l->mask,
                        .print = l->printer.print,
@@ -473,26 +474,6 @@ eda_boxes correct_loop_begun(const loop *l, size_t layer, int cutouts) {
   return l->begun[(cutouts ? l->gates->layers : 0) + layer];
 }
 
-static void begin_with(loop *l) {
-  size_t layers = l->gates->layers;
-  l->begun = eda_alloc(2 * layers, sizeof *l->begun);
-  if (!l->start.mask) return;
-  l->base = l->start.mask->moved;
-  l->now.biases.base = l->next.biases.base = l->base;
-  for (size_t i = 0; i < l->gates->count; i++)
-    correct_start_reset(&l->start, &l->next.biases, i, 1);
-  for (size_t k = 0; k < layers; k++) {
-    const eda_box_list *added = &l->base->added[k],
-                       *cutouts = &l->base->cutouts[k];
-    correct_trial_set_boxes(&l->begun[k],
-                            (eda_boxes){added->box, added->count});
-    correct_trial_set_boxes(&l->begun[layers + k],
-                            (eda_boxes){cutouts->box, cutouts->count});
-    correct_trial_set_boxes(&l->next.added[k], correct_loop_begun(l, k, 0));
-    correct_trial_set_boxes(&l->next.cutouts[k], correct_loop_begun(l, k, 1));
-  }
-}
-
 static void loop_allocate(loop *l) {
   size_t n = l->gates->count, layers = l->gates->layers;
   for (int which = 0; which < DRIVERS; which++) {
@@ -510,7 +491,7 @@ static void loop_allocate(loop *l) {
   l->vetoes = eda_alloc(n, sizeof *l->vetoes);
   correct_trial_init(&l->now, layers, n);
   correct_trial_init(&l->next, layers, n);
-  begin_with(l);
+  correct_start_begin(l);
   eda_measurement_init(&l->measured, n);
   eda_measurement_init(&l->shown, n);
   eda_performance_init(&l->design, n);
@@ -586,6 +567,7 @@ void correct_loop_clear(loop *l) {
   free(l->unused);
   for (size_t k = 0; k < 2 * layers; k++) free((eda_box *)l->begun[k].box);
   free(l->begun);
+  free(l->whole.w);
   free(l->vetoes);
   free(l->still);
   correct_history_clear(&l->history);

@@ -46,6 +46,35 @@ void correct_start_reset(const loop_start *s, biases *b, size_t i, int ends) {
   if (ends) correct_start_reset_ends(s, b, i);
 }
 
+void correct_start_begin(loop *l) {
+  size_t n = l->gates->count, layers = l->gates->layers;
+  l->begun = eda_alloc(2 * layers, sizeof *l->begun);
+  if (!l->start.mask) return;
+  l->base = l->start.mask->moved;
+  l->now.biases.base = l->next.biases.base = l->base;
+  l->whole =
+      correct_biases_in(eda_alloc(TRIAL_BIASES * n, sizeof *l->whole.w), n);
+  for (size_t i = 0; i < n; i++)
+    correct_start_reset(&l->start, &l->next.biases, i, 1);
+  for (size_t k = 0; k < layers; k++) {
+    const eda_box_list *added = &l->base->added[k],
+                       *cutouts = &l->base->cutouts[k];
+    correct_trial_set_boxes(&l->begun[k],
+                            (eda_boxes){added->box, added->count});
+    correct_trial_set_boxes(&l->begun[layers + k],
+                            (eda_boxes){cutouts->box, cutouts->count});
+    correct_trial_set_boxes(&l->next.added[k], correct_loop_begun(l, k, 0));
+    correct_trial_set_boxes(&l->next.cutouts[k], correct_loop_begun(l, k, 1));
+  }
+}
+
+const biases *correct_start_whole(const loop *l) {
+  biases whole = l->whole;
+  if (!l->base) return &l->now.biases;
+  correct_biases_add_base(&l->now.biases, l->gates->count, &whole);
+  return &l->whole;
+}
+
 /* Remove the shapes of a transistor from the shapes of the start. */
 static void drop_owned(loop *l, uint32_t gate) {
   for (size_t k = 0; k < 2 * l->gates->layers; k++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests which transistors a continued correction opens because of shapes that
-   the regulator adds. */
+   the regulator adds, and the displacements that the regulator receives. */
 #include <correct/start.h>
 
 #include <eda/memory.h>
@@ -58,8 +58,89 @@ static void test_touched(void) {
   free((eda_box *)begun[3].box);
 }
 
+/* Displacements of a gate in the start and in the loop, and the outward
+   displacements of both active edges, counted by hand. */
+typedef struct moves {
+  int32_t base_w, base_aside, base_l;
+  uint8_t flip;
+  int32_t w, aside, l;
+  int32_t low, high, both_l;
+} moves;
+
+/* Return the extent along y of an active with one gate, displaced by a loop. */
+static eda_box displaced(const loop *l) {
+  eda_fragment edge[] = {{{0, 0}, 0, EDA_W_LOW},
+                         {{300, 0}, -1, EDA_FIXED},
+                         {{300, 200}, 0, EDA_W_HIGH},
+                         {{0, 200}, -1, EDA_FIXED}};
+  uint32_t start[] = {0, 4};
+  eda_edges edges[LAYERS] = {{0}, {1, start, edge}};
+  eda_box box = {100, 0, 160, 200};
+  uint8_t axis = EDA_X;
+  const eda_gates gates = {
+      .count = 1, .layers = LAYERS, .edges = edges, .box = &box, .axis = &axis};
+  pieces p;
+  eda_shapes out;
+  correct_pieces_of_edges(&edges[EDA_ACTIVE], 1, &p);
+  correct_pieces_alloc(&p, &out);
+  correct_pieces_follow(&gates, EDA_ACTIVE, &l->now.biases, &p);
+  correct_pieces_build(&p, &out);
+  eda_box b = eda_bounds(out.points, out.start[1]);
+  eda_shapes_clear(&out);
+  correct_pieces_clear(&p);
+  return b;
+}
+
+static void expect_printed(const moves *m, int started) {
+  const eda_gates gates = {.count = 1, .layers = LAYERS};
+  eda_mask mask = {.moved = eda_moved_new(LAYERS, 1)};
+  eda_moved *base = mask.moved;
+  loop l = {.gates = &gates, .start = {.mask = started ? &mask : NULL}};
+  base->w[0] = m->base_w;
+  base->aside[0] = m->base_aside;
+  base->l[0] = m->base_l;
+  base->flip[0] = m->flip;
+  correct_trial_init(&l.now, LAYERS, 1);
+  correct_trial_init(&l.next, LAYERS, 1);
+  correct_start_begin(&l);
+  l.now.biases.w[0] = m->w;
+  l.now.biases.aside[0] = m->aside;
+  l.now.biases.l[0] = m->l;
+  eda_box b = displaced(&l);
+  g_assert_cmpint(b.y0, ==, -m->low);
+  g_assert_cmpint(b.y1, ==, 200 + m->high);
+  eda_printed p = correct_loop_printed(&l);
+  g_assert_cmpint((p.w[0] >> 1) - p.aside[0], ==, m->low);
+  g_assert_cmpint(p.w[0] - (p.w[0] >> 1) + p.aside[0], ==, m->high);
+  g_assert_cmpint(p.l[0], ==, m->both_l);
+  g_assert_cmpint(l.now.biases.w[0], ==, m->w);
+  correct_trial_clear(&l.now);
+  correct_trial_clear(&l.next);
+  free(l.whole.w);
+  free(l.begun);
+  eda_moved_free(base);
+}
+
+/* The regulator receives the displacements of the simulated mask from the drawn
+   edges, including those of the start. The HIGH edge has the odd step, or the
+   LOW edge for a mirrored mask. */
+static void test_printed(void) {
+  static const moves cases[] = {
+      {.base_w = 5, .low = 2, .high = 3},
+      {.base_w = 5, .flip = EDA_FLIP_W, .low = 3, .high = 2},
+      {.base_w = 4, .base_aside = 3, .low = -1, .high = 5},
+      {.base_w = 5, .flip = EDA_FLIP_W, .w = -3, .low = 1, .high = 1},
+      {.base_w = -3, .flip = EDA_FLIP_W, .aside = 1, .low = -2, .high = -1},
+      {.base_l = 3, .l = -1, .w = 7, .low = 3, .high = 4, .both_l = 2}};
+  for (size_t k = 0; k < G_N_ELEMENTS(cases); k++) expect_printed(&cases[k], 1);
+  moves none = {.base_w = 5, .w = 7, .aside = 1, .l = 3};
+  none.low = 2, none.high = 5, none.both_l = 3;
+  expect_printed(&none, 0);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/start/touched", test_touched);
+  g_test_add_func("/start/printed", test_printed);
   return g_test_run();
 }

@@ -17,6 +17,11 @@ typedef struct biases {
   const eda_moved *base;
 } biases;
 
+/* Write w, aside and l of `out` so that these alone displace both active edges,
+   and both poly edges together, of all gates as `from` with its base does. */
+OPC_EXPORT void correct_biases_add_base(const biases *from, size_t gates,
+                                        biases *out);
+
 /* Edges of a layer, dissected into fragments. Polygon p consists of fragments
    start[p] to start[p+1]-1. Fragment i, parallel to an axis, extends from
    from[i] to the start of the polygon's next fragment. The outward displacement

@@ -64,6 +64,7 @@ typedef struct loop {
   eda_shapes *mask;     /* [layers], polygons, added shapes and SRAFs, merged */
   sites *sites;         /* [layers], sites of dissected layers */
   trial now, next;      /* mask that was simulated last, and next mask */
+  biases whole;         /* of correct_start_whole; only with a start */
   int32_t *unused;      /* biases that EDGES sets, which are ignored */
   eda_measurement measured;       /* measurement of `now`; with corners, the
                                      mean over the corners */

@@ -36,6 +36,15 @@ typedef struct loop_start {
 OPC_EXPORT int correct_start_check(const loop_start *start,
                                    const eda_gates *gates, opc_error *error);
 
+/* Set the base, the begun shapes and the next mask of a loop to those of its
+   start. */
+OPC_EXPORT void correct_start_begin(struct loop *loop);
+
+/* Return w, aside and l of the simulated mask from the drawn edges, for
+   regulators: the loop's biases and, with a start, its base. The arrays belong
+   to the loop, and change with the next call. */
+OPC_EXPORT const biases *correct_start_whole(const struct loop *loop);
+
 /* With `limit`, select the transistors that the last simulation requires to
    correct. With `violations`, these are the transistors that violate a rule of
    the regulator in the first simulation, otherwise those beyond `limit`. */
