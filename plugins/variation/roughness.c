@@ -206,9 +206,13 @@ static roughness_effect effect_at(const roughness_moments *m, size_t gate,
   return effect_of(all, mean, sum);
 }
 
-void mismatch_add(const mismatch *m, double area, roughness_effect e[KNOTS]) {
+double mismatch_sigma(const mismatch *m, double area) {
   const double um2 = 1e6; /* nm^2 */
-  double volts = m->vt * sqrt(um2 / area);
+  return m->vt * sqrt(um2 / area);
+}
+
+void mismatch_add(const mismatch *m, double area, roughness_effect e[KNOTS]) {
+  double volts = mismatch_sigma(m, area);
   const double by[CURRENTS] = {m->ion * volts, M_LN10 / m->swing * volts};
   if (m->vt == 0) return;
   for (int k = 0; k < KNOTS; k++) {

@@ -143,6 +143,26 @@ static int variation_sample(variation *v, opc_error *error) {
   return code;
 }
 
+/* Refuse a mismatch whose exponentials have no meaning: the model of ln Ion and
+   log10 Ioff is linear in the threshold voltage. */
+static int mismatch_check(const variation *v, opc_error *error) {
+  const double most_ion = 1, most_decades = 3;
+  const eda_gates *g = v->gates;
+  size_t k = 0;
+  for (size_t i = 1; i < g->count; i++)
+    if (g->length[i] * g->width[i] < g->length[k] * g->width[k]) k = i;
+  double volts = mismatch_sigma(&v->mismatch, g->length[k] * g->width[k]);
+  double ion = v->mismatch.ion * volts, decades = volts / v->mismatch.swing;
+  if (v->mismatch.vt == 0 || (ion <= most_ion && decades <= most_decades))
+    return OPC_OK;
+  return opc_fail(error, OPC_INVALID, "mismatch.vt",
+                  "'mismatch.vt' is %g V: the standard deviations of a "
+                  "transistor of %g x %g nm are %g V, %g in ln Ion and %g "
+                  "decades of Ioff, expected at most %g and %g decades",
+                  v->mismatch.vt, g->width[k], g->length[k], volts, ion,
+                  decades, most_ion, most_decades);
+}
+
 static int variation_run(void *self, void **outputs, opc_error *error) {
   variation *v = self;
   if (eda_mask_flat(v->given, &v->mask, error)) return error->code;
@@ -159,7 +179,8 @@ static int variation_run(void *self, void **outputs, opc_error *error) {
   if (v->mismatch.vt == 0)
     v->host->log(v->host, OPC_LOG_INFO,
                  "'mismatch.vt' is 0: mismatch by dopants is not included");
-  int code = variation_divide(v, error);
+  int code = mismatch_check(v, error);
+  if (!code) code = variation_divide(v, error);
   if (!code) code = variation_respond(v, error);
   if (!code) circuit_set(v);
   if (!code) code = variation_sample(v, error);

@@ -157,6 +157,10 @@ typedef struct mismatch {
   double vt, ion, swing;
 } mismatch;
 
+/* Return the standard deviation of the threshold voltage, V, of a gate with the
+   drawn W L `area`, nm^2. [any] */
+double mismatch_sigma(const mismatch *m, double area);
+
 /* Add the mismatch of a gate with the drawn W L `area`, nm^2, to the effect of
    its line edges, which is independent. [any] */
 void mismatch_add(const mismatch *m, double area, roughness_effect e[KNOTS]);

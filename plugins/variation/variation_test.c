@@ -315,6 +315,30 @@ static void test_line_end(void) {
   opc_test_module_free(loop);
 }
 
+/* Values of other units than V and V um: all chips would be without leakage, or
+   have an infinite one. */
+static void test_mismatch_refused(void) {
+  static const char *const bad[] = {"mismatch: { vt: 4 V }",
+                                    "mismatch: { vt: 4 mV, swing: 0.1 mV }",
+                                    "mismatch: { vt: 4 mV, ion: 1600 }"};
+  opc_module *loop = module_make(
+      "correct", "synthesizer: { use: synthesizer.dpb }, max_iterations: 0");
+  eda_mask *mask = run_step(loop, "gates", eda_gates_sample());
+  for (size_t k = 0; k < G_N_ELEMENTS(bad); k++) {
+    g_autofree char *more = g_strdup_printf("chips: 2000, %s", bad[k]);
+    opc_module *m = module_make("variation", more);
+    void *none[1];
+    opc_error error = {0};
+    opc_test_input(m, "mask", mask);
+    g_assert_cmpint(opc_test_run(m, none, &error), ==, OPC_INVALID);
+    g_assert_cmpstr(error.parameter, ==, "mismatch.vt");
+    opc_test_module_free(m);
+  }
+  void *outputs[1] = {mask};
+  opc_test_release(loop, outputs);
+  opc_test_module_free(loop);
+}
+
 static void module_refuse(const char *more, const char *why) {
   g_autofree char *devices = g_build_filename(
       g_getenv("OPCFLOW_SOURCE"), "data", "devices", "ptm65.yaml", NULL);
@@ -339,5 +363,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/variation/delays", test_delays);
   g_test_add_func("/variation/line-end", test_line_end);
   g_test_add_func("/variation/refused", test_refused);
+  g_test_add_func("/variation/mismatch/refused", test_mismatch_refused);
   return g_test_run();
 }

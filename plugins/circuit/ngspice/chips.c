@@ -64,6 +64,14 @@ static figure_row figure_of(const chip_row *r, size_t n, int figure) {
   return f;
 }
 
+/* Return the number of cells that do not hold, or are lost by a read. */
+static size_t count_failed(const chip_row *r, size_t n) {
+  size_t failed = 0;
+  for (size_t i = 0; i < n; i++)
+    failed += !(r[i].figure[HOLD] > 0 && r[i].figure[READ] > 0);
+  return failed;
+}
+
 static int chips_report(const bench *b, const chip_row *r, size_t n,
                         const chip_row *drawn, size_t cells, opc_error *error) {
   figure_row f[FIGURES];
@@ -92,7 +100,7 @@ static int chips_report(const bench *b, const chip_row *r, size_t n,
       {"read_margin_sigma", f[READ].sigma},
       {"write_margin_sigma", f[WRITE].sigma},
       {"read_current_sigma", f[CURRENT].sigma},
-      {"failed_cells", (double)(f[HOLD].failed + f[READ].failed)}};
+      {"failed_cells", (double)count_failed(r, n)}};
   int code = opc_put_rows(b->host, "chips", OPC_TABLE_PRINT, FIGURES, sizeof *f,
                           OPC_ARRAY(columns), error);
   if (!code)
@@ -125,10 +133,6 @@ static int chips_simulate(bench *b, const cell *cells, size_t count,
 int chips_find(bench *b, const cell *cells, size_t count, margins m[2],
                accesses *a, opc_error *error) {
   size_t n = b->chips->count * count;
-  if (!b->chips->count)
-    return opc_fail(error, OPC_INVALID, "chips",
-                    "there are no chips: set 'tables' of the step that samples "
-                    "them");
   chip_row *drawn = g_new0(chip_row, count), *r = g_new0(chip_row, n);
   for (size_t i = 0; i < count; i++) row_fill(&drawn[i], m, a, EDA_DRAWN, i);
   const eda_mask *printed = b->printed;

@@ -292,6 +292,34 @@ static void test_printed_access(void) {
                  "storage node 'Q' has no access transistor");
 }
 
+/* Chips with sizes near the drawn sizes. */
+static eda_samples *chips_make(const made *m, size_t count) {
+  eda_samples *chips = eda_samples_new(&m->gates, count);
+  for (size_t k = 0; k < count; k++)
+    for (size_t i = 0; i < m->gates.count; i++) {
+      double phase = (double)k;
+      chips->of[k].leq_ion[i] = m->length[i] * (1 + 0.02 * sin(7 * phase + i));
+      chips->of[k].weq[i] = m->width[i] * (1 + 0.05 * cos(5 * phase + i));
+      chips->of[k].area[i] = m->length[i] * m->width[i];
+    }
+  return chips;
+}
+
+static int chips_run(made *m, eda_samples *chips, const char *rest,
+                     opc_error *error) {
+  void *none[1];
+  g_autofree char *card = of_project("data/devices/opcflow65.pm");
+  g_autofree char *map = g_strdup_printf(
+      "{ models: '%s', supply: 1.1 V, picture: c.png, %s }", card, rest);
+  g_autoptr(opc_module) step = opc_test_module("circuit.ngspice", map, error);
+  if (!step) g_error("%s", error->message);
+  opc_test_forget();
+  opc_test_input(step, "circuit", &m->circuit);
+  opc_test_input(step, "mask", &m->mask);
+  opc_test_input(step, "chips", chips);
+  return opc_test_run(step, none, error);
+}
+
 /* Figures of chips: those of the mask with the sizes of the chip, and their
    mean and standard deviation. The smaller figure of both sides counts. */
 static void test_chips(void) {
@@ -301,23 +329,10 @@ static void test_chips(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
   g_autoptr(made) m = circuit_make(MEMORY_PORTS, MEMORY);
-  eda_samples *chips = eda_samples_new(&m->gates, CHIPS);
-  for (size_t k = 0; k < CHIPS; k++)
-    for (size_t i = 0; i < m->gates.count; i++) {
-      chips->of[k].leq_ion[i] = m->length[i] * (1 + 0.02 * sin(7. * k + i));
-      chips->of[k].weq[i] = m->width[i] * (1 + 0.05 * cos(5. * k + i));
-      chips->of[k].area[i] = m->length[i] * m->width[i];
-    }
+  eda_samples *chips = chips_make(m, CHIPS);
   opc_error error;
-  void *none[1];
-  g_autofree char *map = g_strdup_printf(
-      "{ models: '%s', supply: 1.1 V, measure: cell, picture: c.png }", card);
-  g_autoptr(opc_module) step = opc_test_module("circuit.ngspice", map, &error);
-  opc_test_forget();
-  opc_test_input(step, "circuit", &m->circuit);
-  opc_test_input(step, "mask", &m->mask);
-  opc_test_input(step, "chips", chips);
-  if (opc_test_run(step, none, &error)) g_error("%s", error.message);
+  if (chips_run(m, chips, "measure: cell", &error))
+    g_error("%s", error.message);
   double got[CHIPS][FIGURES], mean[FIGURES], sigma[FIGURES];
   for (size_t f = 0; f < FIGURES; f++) {
     for (size_t k = 0; k < CHIPS; k++)
@@ -347,6 +362,50 @@ static void test_chips(void) {
     g_assert_cmpfloat(sigma[f], >, 0.005 * mean[f]);
   }
   eda_samples_free(chips);
+}
+
+/* A cell that does not hold is lost by a read, too, but is one failed cell. */
+static void test_chips_failed(void) {
+  if (!have_ngspice()) return;
+  g_autoptr(made) m = circuit_make(MEMORY_PORTS, MEMORY);
+  eda_samples *chips = chips_make(m, 2);
+  for (size_t i = 0; i < m->gates.count; i++) {
+    int is_load = m->device[i].type == EDA_PMOS;
+    int is_driver = m->width[i] > 299;
+    if (is_driver) chips->of[1].leq_ion[i] *= 90;
+    if (is_load) chips->of[1].leq_ion[i] *= 0.6, chips->of[1].weq[i] *= 90;
+  }
+  opc_error error;
+  if (chips_run(m, chips, "measure: cell", &error))
+    g_error("%s", error.message);
+  for (size_t f = 0; f < 2; f++)
+    g_assert_cmpint((int)opc_test_number("chips", "failed", f), ==, 1);
+  g_assert_cmpint((int)opc_test_metric("failed_cells"), ==, 1);
+  eda_samples_free(chips);
+}
+
+/* Inputs are known only when the step runs, so its check cannot refuse them. */
+static void test_chips_refused(void) {
+  static const struct {
+    const char *rest, *message;
+    size_t chips;
+  } bad[] = {{"measure: snm", "'chips' requires 'measure: cell'", 1},
+             {"measure: auto", "'chips' requires 'measure: cell'", 1},
+             {"measure: cell, sizes: length, dlc: false", "*'sizes: both'*", 1},
+             {"measure: cell", "there are no chips: set 'tables'*", 0}};
+  g_autofree char *table = of_project("data/devices/opcflow65.yaml");
+  g_autoptr(made) m = circuit_make(MEMORY_PORTS, MEMORY);
+  for (size_t k = 0; k < G_N_ELEMENTS(bad); k++) {
+    opc_error error;
+    eda_samples *chips = chips_make(m, bad[k].chips);
+    g_autofree char *rest =
+        g_strdup_printf("%s, devices: '%s'", bad[k].rest, table);
+    if (!chips_run(m, chips, rest, &error)) g_error("'%s' works", rest);
+    g_assert_cmpstr(error.parameter, ==, "chips");
+    if (!g_pattern_match_simple(bad[k].message, error.message))
+      g_error("%s", error.message);
+    eda_samples_free(chips);
+  }
 }
 
 /* Cells whose word lines and bit lines cannot be driven separately. */
@@ -381,6 +440,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/circuit/ports", test_ports);
   g_test_add_func("/circuit/printed-access", test_printed_access);
   g_test_add_func("/circuit/chips", test_chips);
+  g_test_add_func("/circuit/chips/failed", test_chips_failed);
+  g_test_add_func("/circuit/chips/refused", test_chips_refused);
   g_test_add_func("/circuit/lines", test_lines);
   return g_test_run();
 }

@@ -111,6 +111,23 @@ static void make_plain(bench *b) {
   }
 }
 
+/* Refuse chips that cannot be simulated. Inputs are not known to .check. */
+static int check_chips(const bench *b, opc_error *error) {
+  const char *why = NULL;
+  if (!b->chips) return OPC_OK;
+  if (b->measure != CELL)
+    why = "'chips' requires 'measure: cell'";
+  else if (b->sizes == SIZES_LENGTH)
+    why = "'chips' requires 'sizes: both', because chips have printed L and W";
+  else if (!b->mask)
+    why = "'mask' is missing, required by 'chips'";
+  else if (b->chips->gates != b->mask->gates)
+    why = "the chips and the mask belong to different gates";
+  else if (!b->chips->count)
+    why = "there are no chips: set 'tables' of the step that samples them";
+  return why ? opc_fail(error, OPC_INVALID, "chips", "%s", why) : OPC_OK;
+}
+
 /* Find the sets of sizes present. Transistors that do not print are an error
    for the corrected mask, but not for the mask before correction. */
 static int find_states(bench *b, opc_error *error) {
@@ -119,10 +136,7 @@ static int find_states(bench *b, opc_error *error) {
   if (b->mask && b->mask->gates != b->circuit->gates)
     return opc_fail(error, OPC_INVALID, "mask",
                     "the mask and the circuit belong to different gates");
-  if (b->chips && (!b->mask || b->chips->gates != b->mask->gates))
-    return opc_fail(error, OPC_INVALID, "chips",
-                    b->mask ? "the chips and the mask belong to different gates"
-                            : "'mask' is missing, required by 'chips'");
+  if (check_chips(b, error)) return error->code;
   b->printed = b->mask;
   if (b->sizes == SIZES_LENGTH && sizes_by_length(b, error)) return error->code;
   for (int state = 0; state < EDA_STATES; state++) {
@@ -474,9 +488,6 @@ static int circuit_check(void *self, opc_error *error) {
     return opc_fail(error, OPC_INVALID, "edges",
                     "'edges' must be two thresholds between 0 and 100 %%, one "
                     "below and one above 50 %%");
-  if (b->chips && b->measure != CELL)
-    return opc_fail(error, OPC_INVALID, "chips",
-                    "'chips' requires 'measure: cell'");
   if (b->corner && !eda_spice_is_name(b->corner))
     return opc_fail(error, OPC_INVALID, "corner",
                     "'%s' is not the name of a section", b->corner);
