@@ -160,11 +160,25 @@ typedef struct owners {
   const uint32_t *gate; /* numbers of the transistors of the index */
 } owners;
 
+/* Return 1 if clipping left nothing of a part of a shape, or along an axis less
+   than the mask rules of widths and edges permit. */
+static int is_remnant(const work *w, eda_box part, eda_box clipped) {
+  const double *rules = w->with->rules;
+  double least = fmax(rules[EDA_RULE_WIDTH], rules[EDA_RULE_EDGE]);
+  const int32_t full[] = {part.x1 - part.x0, part.y1 - part.y0};
+  const int32_t left[] = {clipped.x1 - clipped.x0, clipped.y1 - clipped.y0};
+  for (int k = 0; k < 2; k++)
+    if (left[k] <= 0 || (left[k] < full[k] && left[k] * w->chip->grid < least))
+      return 1;
+  return 0;
+}
+
 /* Add a part of an added shape or cut-out to its owner, the nearest transistor.
    The part is clipped at the radius around the owner, because the environment
-   is equal throughout the class only within the radius. If several transistors
-   are at the smallest distance, each of them is an owner, because any of them
-   may be the representative; equal shapes merge. */
+   is equal throughout the class only within the radius. A remnant is omitted,
+   because its edges would violate mask rules. If several transistors are at the
+   smallest distance, each of them is an owner, because any of them may be the
+   representative; equal shapes merge. */
 static void own_part(const work *w, const eda_gates *g, const owners *among,
                      eda_chip_box part, owned *to) {
   int32_t r = w->radius;
@@ -180,7 +194,7 @@ static void own_part(const work *w, const eda_gates *g, const owners *among,
     eda_box b = eda_box_grown(g->box[i], r);
     b = (eda_box){MAX(b.x0, part.box.x0), MAX(b.y0, part.box.y0),
                   MIN(b.x1, part.box.x1), MIN(b.y1, part.box.y1)};
-    if (b.x0 >= b.x1 || b.y0 >= b.y1) continue;
+    if (is_remnant(w, part.box, b)) continue;
     b = eda_chip_own(g->box[i], g->axis[i], 0, b);
     owned_add(to, i, (eda_chip_box){b, part.layer, part.cutout});
   }

@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Tests which parts of added shapes the record of a corrected transistor
+   contains. */
+#include <eda/memory.h>
+#include <glib.h>
+#include <stdlib.h>
+
+#include "environments/correction.h"
+
+enum { LAYERS = 2, RADIUS = 1000 };
+
+static const eda_box gate = {0, 0, 100, 60};
+
+typedef struct kept {
+  opc_bytes bytes;
+  GByteArray *all;
+} kept;
+
+static void kept_add(opc_bytes *bytes, const void *from, size_t size) {
+  g_byte_array_append(((kept *)bytes)->all, from, (guint)size);
+}
+
+/* Return the shape in the record of a transistor to which the regulator added
+   `shape`; an empty box if there is none. `rule`: smallest width of the mask,
+   nm. */
+static eda_box recorded(eda_box shape, double rule, double grid) {
+  eda_box box = gate;
+  uint8_t axis = EDA_X;
+  uint32_t place = 0, flags = 0;
+  eda_chip chip = {.grid = grid};
+  const correct_settings with = {
+      .rules = {[EDA_RULE_WIDTH] = rule, [EDA_RULE_EDGE] = rule / 2}};
+  const work w = {.with = &with, .radius = RADIUS, .chip = &chip};
+  const eda_gates gates = {
+      .grid = grid, .count = 1, .layers = LAYERS, .box = &box, .axis = &axis};
+  eda_boxes begun[2 * LAYERS] = {{0}};
+  loop l = {.gates = &gates,
+            .begun = begun,
+            .guard.flags = &flags,
+            .measured.flags = &flags};
+  opc_error error;
+  correct_trial_init(&l.now, LAYERS, 1);
+  eda_performance_init(&l.before, 1);
+  eda_performance_init(&l.design, 1);
+  eda_performance_init(&l.measured.performance, 1);
+  correct_trial_set_boxes(&l.now.added[EDA_ACTIVE], (eda_boxes){&shape, 1});
+  kept out = {{.add = kept_add}, g_byte_array_new()};
+  g_assert_cmpint(correction_put(&w, &l, &place, &out.bytes, &error), ==,
+                  OPC_OK);
+  corrected one;
+  const char *at = correction_begin(NULL, (const char *)out.all->data);
+  const char *end = correction_next(at, &one);
+  g_assert_true(end == (const char *)out.all->data + out.all->len);
+  eda_chip_box b = {0};
+  g_assert_cmpuint(one.mask.boxes, <=, 1);
+  if (one.mask.boxes) memcpy(&b, end - sizeof b, sizeof b);
+  g_byte_array_unref(out.all);
+  eda_performance_clear(&l.before);
+  eda_performance_clear(&l.design);
+  eda_performance_clear(&l.measured.performance);
+  correct_trial_clear(&l.now);
+  return one.mask.boxes ? eda_chip_place(gate, EDA_X, 0, b.box) : b.box;
+}
+
+/* A shape is clipped at the radius. A remnant that the rules forbid is omitted;
+   a small shape within the radius is not a remnant. */
+static void test_clipped(void) {
+  static const struct {
+    eda_box shape, want;
+    double rule, grid;
+  } cases[] = {
+      {{20, 900, 80, 916}, {20, 900, 80, 916}, 40, 1},
+      {{20, 1044, 80, 1060}, {20, 1044, 80, 1060}, 40, 1},
+      {{20, 1010, 80, 1160}, {20, 1010, 80, 1060}, 40, 1},
+      {{20, 1044, 80, 1200}, {0}, 40, 1},
+      {{20, 1044, 80, 1200}, {20, 1044, 80, 1060}, 16, 1},
+      {{20, 1010, 80, 1160}, {0}, 40, 0.5},
+      {{1085, 0, 1200, 60}, {0}, 40, 1},
+      {{-1100, 0, -960, 60}, {-1000, 0, -960, 60}, 40, 1},
+      {{-1100, 0, -961, 60}, {0}, 40, 1},
+      {{20, 1061, 80, 1200}, {0}, 40, 1},
+  };
+  for (size_t k = 0; k < G_N_ELEMENTS(cases); k++) {
+    eda_box b = recorded(cases[k].shape, cases[k].rule, cases[k].grid);
+    g_test_message("case %zu", k);
+    g_assert_cmpmem(&b, sizeof b, &cases[k].want, sizeof b);
+  }
+}
+
+int main(int argc, char **argv) {
+  g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/records/clipped", test_clipped);
+  return g_test_run();
+}
