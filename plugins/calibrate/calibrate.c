@@ -335,6 +335,10 @@ static int calibrate_check(void *self, opc_error *error) {
   EDA_FOLLOW(c->host, "calibrate", c, parameters, eda_scanner_of(c->litho));
   for (int t = 0; t < TERMS; t++)
     if (range_check(t, &c->range[t], error)) return error->code;
+  if (c->path && c->drawn != DRAWN_BOTH)
+    return opc_fail(error, OPC_INVALID, "drawn",
+                    "'drawn' selects gauges without a file, but 'gauges' is "
+                    "set");
   return OPC_OK;
 }
 

@@ -411,6 +411,14 @@ static void test_refused(void) {
                     OPC_INVALID);
     if (!strstr(error.message, faults[i].fault)) g_error("%s", error.message);
   }
+  /* Drawn sizes beside a file would be ignored. */
+  opc_error error = {0};
+  g_autofree char *text = g_strdup_printf(
+      "{ litho: { " LITHO " }, gauges: '%s/bad.csv', drawn: lengths }",
+      opc_test_folder());
+  g_assert_null(opc_test_module("calibrate", text, &error));
+  g_test_message("%s", error.message);
+  g_assert_nonnull(strstr(error.message, "'drawn' selects gauges"));
 }
 
 int main(int argc, char **argv) {
