@@ -19,7 +19,7 @@ static const struct {
 
     /* Largest number of polygons of poly for which `opcflow check` finds the
        environments, in at most about a second. The forecast of `auto` is that
-       of the whole. */
+       of the whole, up to `most`. */
     .searched = 20000,
 
     /* Largest number of classes per transistor for which classes take less time
@@ -222,7 +222,8 @@ int divide_forecast(correct *c, divide_whole *whole, opc_forecast *out,
   if (code) return code;
   whole(c, &g, out);
   const char *obstacle = divide_obstacle(c);
-  int can_be_whole = c->divide == DIVIDE_AUTO && polygons <= tuned.searched;
+  int can_be_whole = c->divide == DIVIDE_AUTO && polygons <= tuned.searched &&
+                     out->memory <= tuned.most;
   if (can_be_whole || divide_is_whole(c, polygons)) {
     eda_segment_settings settings = EDA_SEGMENT_SETTINGS(c);
     out->memory += eda_segment_bytes(c->layout, top, &settings);

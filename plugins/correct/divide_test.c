@@ -419,6 +419,10 @@ static void test_forecast(void) {
   g_assert_cmpfloat(by, <, whole / 3);
   g_assert_cmpfloat(by, >, 1e8);
   g_assert_true(memory_of(&d, "auto") == whole);
+  /* If the whole needs too much memory, the decision is for classes. */
+  place_sample(&d, 9000000, 9000000, 0, 0, 1);
+  g_assert_cmpfloat(memory_of(&d, "whole"), >, 1e10);
+  g_assert_true(memory_of(&d, "auto") == memory_of(&d, "environments"));
   eda_layout_free(d.layout);
 }
 
