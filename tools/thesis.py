@@ -15,7 +15,7 @@ SMALL = ("c17", "c432", "c499", "c1355", "c1908")
 LARGE = ("c2670", "c3540", "c5315", "c6288", "c7552")
 CIRCUITS = SMALL + LARGE
 DELAYS = ("c17", "c432", "c499", "c1908")
-SEARCHES = ("c17", "c432")
+SEARCHES = SMALL
 METHODS = ("epe", "dpb", "ic")
 LABEL = {"epe": "EPE-OPC", "pb": "PB-OPC", "dpb": "DPB-OPC", "ic": "IC-OPC"}
 
@@ -168,7 +168,7 @@ def normalized_table(runs, number):
 
 def disturbance_table(runs, number):
     rows = []
-    for circuit in SMALL:
+    for circuit in CIRCUITS:
         change = column(rows_of(runs[circuit], "disturbance.csv"), "disturbance")
         worse = [c for c in change if c > 0]
         rows.append([circuit, number(len(change), "n"), number(mean(change), "2"),
@@ -541,7 +541,7 @@ def questions(flow, circuit_cases, path_options):
                 *((c + "-" + m, circuit(c, "flows/%s.yaml" % m)) for m in ("dpb", "ic")))]),
         dict(name="disturbance", title="Disturbance of placed cells", make=disturbance_table,
              runs=[(c, flow("flows/library.yaml", "layout.file=$DATA/iscas85/%s/%s.gds" % (c, c), "layout.scale=1.3",
-                            *dpb_cells, variant="placed")) for c in SMALL],
+                            *dpb_cells, variant="placed")) for c in CIRCUITS],
              pictures=[("disturbance.svg", disturbance_histogram), ("disturbance-c432.svg", disturbance_map)]),
     ]
     nangate = "$DATA/nangate45/NangateOpenCellLibrary"
@@ -577,7 +577,7 @@ def questions(flow, circuit_cases, path_options):
             (c, flow("flows/library-compare.yaml", "compare.methods=[dpb_flat, dpb_cells, dpb_placed, dpb_2, dpb_0]",
                      "compare.cases=[{ name: %s, layout.file: $DATA/iscas85/%s/%s.gds, layout.scale: 1.3,"
                      " layout.layers.outline: 235/0, mask.neighbours: outline }]" % (c, c, c)))
-            for c in ("c17", "c432", "c499")]),
+            for c in CIRCUITS]),
         dict(name="bias", title="Ion and area over the size of the mask", quick=True, make=bias_table, show=1,
              files=bias_masks,
              runs=[(bias_name(*b), flow(
