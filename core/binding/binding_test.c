@@ -3,15 +3,13 @@
    and the places and texts of errors. */
 #include "core/binding/binding.h"
 
-#include <glib/gstdio.h>
 #include <opcflow/loader.h>
 #include <opcflow/pieces.h>
 #include <string.h>
 
+#include "core/binding/folder_test.h"
 #include "core/binding/lookup.h"
 #include "core/plugin/declaration.h"
-
-static opc_registry *registry;
 
 /* Two steps; the slot of `b` has a plugin with parameters. */
 #define FLOW                                \
@@ -24,12 +22,7 @@ static opc_registry *registry;
 
 static opc_flow *load(const char *plain) {
   g_autofree char *text = g_strdup_printf(FLOW, plain);
-  g_autoptr(opc_problems) problems = opc_problems_new();
-  g_assert_true(g_file_set_contents("flow.yaml", text, -1, NULL));
-  opc_flow *flow = opc_flow_load("flow.yaml", NULL, registry, problems);
-  g_autofree char *found = opc_problems_text(problems);
-  g_assert_cmpstr(found, ==, "");
-  return flow;
+  return trial_load(text);
 }
 
 static opc_binding *binding_of(const opc_flow *flow, const char *path) {
@@ -131,21 +124,11 @@ static void test_fail(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  g_autofree char *folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
-  g_autofree char *build = g_strdup(g_getenv("OPCFLOW_BUILD"));
-  g_autofree char *tests = g_build_filename(build, "tests", NULL);
-  g_autofree char *plugins = g_build_filename(build, "plugins", NULL);
-  const char *folders[] = {tests, plugins, NULL};
-  g_assert_cmpint(g_chdir(folder), ==, 0);
-  registry = opc_registry_new(folders);
+  trial_begin();
   g_test_add_func("/binding/create", test_create);
   g_test_add_func("/binding/check", test_check);
   g_test_add_func("/binding/labels", test_labels);
   g_test_add_func("/binding/places", test_places);
   g_test_add_func("/binding/fail", test_fail);
-  int failed = g_test_run();
-  opc_registry_free(registry);
-  g_assert_cmpint(g_remove("flow.yaml"), ==, 0);
-  g_assert_cmpint(g_rmdir(folder), ==, 0);
-  return failed;
+  return trial_end();
 }

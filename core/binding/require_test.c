@@ -3,13 +3,11 @@
    and metrics by their paths. */
 #include "core/binding/require.h"
 
-#include <glib/gstdio.h>
 #include <math.h>
 #include <string.h>
 
+#include "core/binding/folder_test.h"
 #include "core/binding/lookup.h"
-
-static opc_registry *registry;
 
 /* Read a flow with the step `a` and this section `require`. */
 static opc_flow *load(const char *require, opc_problems *problems) {
@@ -17,8 +15,8 @@ static opc_flow *load(const char *require, opc_problems *problems) {
       "opcflow: 1\nsteps:\n  a: { use: test.numbers, size: 4 nm }\n"
       "require: %s\n",
       require);
-  g_assert_true(g_file_set_contents("flow.yaml", text, -1, NULL));
-  return opc_flow_load("flow.yaml", NULL, registry, problems);
+  put_text("flow.yaml", text);
+  return opc_flow_load("flow.yaml", NULL, trial_registry(), problems);
 }
 
 /* The bounds of a.sum, whose unit is nm, whose tolerance is 0.1 nm, and of
@@ -129,19 +127,10 @@ static void test_paths(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  g_autofree char *folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
-  g_autofree char *plugins =
-      g_build_filename(g_getenv("OPCFLOW_BUILD"), "tests", NULL);
-  const char *folders[] = {plugins, NULL};
-  g_assert_cmpint(g_chdir(folder), ==, 0);
-  registry = opc_registry_new(folders);
+  trial_begin();
   g_test_add_func("/require/bounds", test_bounds);
   g_test_add_func("/require/nested", test_nested);
   g_test_add_func("/require/faults", test_faults);
   g_test_add_func("/require/paths", test_paths);
-  int failed = g_test_run();
-  opc_registry_free(registry);
-  g_assert_cmpint(remove("flow.yaml"), ==, 0);
-  g_assert_cmpint(rmdir(folder), ==, 0);
-  return failed;
+  return trial_end();
 }

@@ -3,12 +3,9 @@
    axis. */
 #include "core/binding/sweep.h"
 
-#include <glib/gstdio.h>
 #include <string.h>
 
-#include "core/binding/flow.h"
-
-static opc_registry *registry;
+#include "core/binding/folder_test.h"
 
 /* b depends on a, c on nothing. */
 static const char text[] =
@@ -26,7 +23,7 @@ typedef struct grid {
 
 static grid grid_new(const char *const *sets, const char *const *sweeps) {
   grid g = {.problems = opc_problems_new()};
-  g_assert_true(g_file_set_contents("flow.yaml", text, -1, NULL));
+  put_text("flow.yaml", text);
   g.recipe = opc_recipe_read("flow.yaml", g.problems);
   g.sweep = opc_sweep_new(g.recipe, sets, NULL, sweeps, g.problems);
   return g;
@@ -107,7 +104,8 @@ static void test_levels(void) {
   g_assert_false(opc_axis_touches(axis, g.recipe, "aa"));
   g_assert_cmpuint(opc_sweep_depth(g.sweep), ==, 1);
   const opc_choice choice = {.sweep = g.sweep, .sets = sets};
-  opc_flow *flow = opc_flow_make(g.recipe, &choice, registry, g.problems);
+  opc_flow *flow =
+      opc_flow_make(g.recipe, &choice, trial_registry(), g.problems);
   expect_axes(&g, "a.size:2;", 2);
   g_autofree unsigned *levels = opc_sweep_levels(g.sweep, flow);
   static const unsigned expected[] = {1, 1, 0};
@@ -140,20 +138,11 @@ static void test_faults(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  g_autofree char *folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
-  g_autofree char *plugins =
-      g_build_filename(g_getenv("OPCFLOW_BUILD"), "tests", NULL);
-  const char *folders[] = {plugins, NULL};
-  g_assert_cmpint(g_chdir(folder), ==, 0);
-  registry = opc_registry_new(folders);
+  trial_begin();
   g_test_add_func("/sweep/axes", test_axes);
   g_test_add_func("/sweep/laid-over", test_laid_over);
   g_test_add_func("/sweep/points", test_points);
   g_test_add_func("/sweep/levels", test_levels);
   g_test_add_func("/sweep/faults", test_faults);
-  int failed = g_test_run();
-  opc_registry_free(registry);
-  g_assert_cmpint(g_remove("flow.yaml"), ==, 0);
-  g_assert_cmpint(g_rmdir(folder), ==, 0);
-  return failed;
+  return trial_end();
 }

@@ -3,16 +3,13 @@
    without a store. */
 #include "core/run/services.h"
 
-#include <glib/gstdio.h>
 #include <opcflow/results.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <store/files.h>
 #include <store/store.h>
+#include "core/binding/folder_test.h"
 #include "core/binding/lookup.h"
-
-static opc_registry *registry;
 
 static opc_flow *load(const char *size) {
   g_autofree char *text = g_strdup_printf(
@@ -20,12 +17,7 @@ static opc_flow *load(const char *size) {
       "  a: { use: test.numbers, size: %s }\n"
       "  b: { use: test.slotted }\n",
       size);
-  g_autoptr(opc_problems) problems = opc_problems_new();
-  g_assert_true(g_file_set_contents("flow.yaml", text, -1, NULL));
-  opc_flow *flow = opc_flow_load("flow.yaml", NULL, registry, problems);
-  g_autofree char *found = opc_problems_text(problems);
-  g_assert_cmpstr(found, ==, "");
-  return flow;
+  return trial_load(text);
 }
 
 /* Create the instance of a step with the service of hosts outside runs. */
@@ -110,21 +102,11 @@ static void test_identity(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
-  g_autofree char *folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
-  g_autofree char *build = g_strdup(g_getenv("OPCFLOW_BUILD"));
-  g_autofree char *tests = g_build_filename(build, "tests", NULL);
-  g_autofree char *plugins = g_build_filename(build, "plugins", NULL);
-  const char *folders[] = {tests, plugins, NULL};
-  g_autofree char *store = g_build_filename(folder, "store", NULL);
-  g_assert_cmpint(g_chdir(folder), ==, 0);
+  trial_begin();
+  g_autofree char *store = g_build_filename(trial_folder, "store", NULL);
   g_setenv("OPCFLOW_STORE", store, TRUE);
-  registry = opc_registry_new(folders);
   g_test_add_func("/services/kept", test_kept);
   g_test_add_func("/services/without-store", test_without_store);
   g_test_add_func("/services/identity", test_identity);
-  int failed = g_test_run();
-  opc_registry_free(registry);
-  g_assert_cmpint(g_chdir("/"), ==, 0);
-  opc_remove_tree(folder);
-  return failed;
+  return trial_end();
 }

@@ -3,11 +3,10 @@
    folder. */
 #pragma once
 
-#include <glib/gstdio.h>
 #include <math.h>
-#include <store/files.h>
 #include <string.h>
 
+#include "core/binding/folder_test.h"
 #include "core/run/whole.h"
 
 /* A flow and its run; the members outlive the run in this order. */
@@ -23,18 +22,6 @@ typedef struct trial {
   opc_watch watch;
   opc_run_options options;
 } trial;
-
-static char *trial_folder; /* current folder of the program */
-
-/* Return the registry of the test plugins and of the plugins of opcflow. */
-static inline opc_registry *trial_registry(void) {
-  static opc_registry *registry;
-  if (registry) return registry;
-  const char *build = g_getenv("OPCFLOW_BUILD");
-  g_autofree char *tests = g_build_filename(build, "tests", NULL);
-  const char *folders[] = {tests, NULL};
-  return registry = opc_registry_new(folders);
-}
 
 /* Keep a message; any thread of a step may log. */
 static inline void trial_log(void *data, const char *path, int level,
@@ -55,10 +42,6 @@ static inline void trial_step(void *data, const char *name, size_t number,
 
 static inline int trial_is_stopped(void *data) {
   return ((const trial *)data)->stopped;
-}
-
-static inline void put_text(const char *name, const char *text) {
-  g_assert_true(g_file_set_contents(name, text, -1, NULL));
 }
 
 static inline char *get_text(const char *folder, const char *name) {
@@ -130,19 +113,4 @@ static inline double trial_metric(const trial *t, const char *path,
       return m->value;
   }
   return NAN;
-}
-
-/* Create the temporary folder. */
-static inline void trial_begin(void) {
-  trial_folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
-  g_assert_cmpint(g_chdir(trial_folder), ==, 0);
-}
-
-/* Run the registered tests, remove the folder and return the exit code. */
-static inline int trial_end(void) {
-  int code = g_test_run();
-  g_assert_cmpint(g_chdir("/"), ==, 0);
-  opc_remove_tree(trial_folder);
-  g_free(trial_folder);
-  return code;
 }
