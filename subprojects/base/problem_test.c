@@ -133,13 +133,18 @@ static void test_distances(void) {
   }
 }
 
-static void expect_nearest(const char *word, char *const *words,
-                           const char *expected) {
-  g_autofree char *found = opc_suggestion_of(word, words);
+/* Check the text of a suggestion; `expected`: NULL for no suggestion. */
+static void expect_suggestion(const char *found, const char *expected) {
   g_autofree char *text =
       expected ? g_strdup_printf(", did you mean '%s'?", expected)
                : g_strdup("");
   g_assert_cmpstr(found, ==, text);
+}
+
+static void expect_nearest(const char *word, char *const *words,
+                           const char *expected) {
+  g_autofree char *found = opc_suggestion_of(word, words);
+  expect_suggestion(found, expected);
 }
 
 static void test_nearest(void) {
@@ -161,10 +166,7 @@ static void expect_id(const char *id, const char *expected) {
   for (size_t i = 0; i < G_N_ELEMENTS(ids); i++)
     g_ptr_array_add(list, (char *)ids[i]);
   g_autofree char *found = opc_suggestion_of_id(id, list);
-  g_autofree char *text =
-      expected ? g_strdup_printf(", did you mean '%s'?", expected)
-               : g_strdup("");
-  g_assert_cmpstr(found, ==, text);
+  expect_suggestion(found, expected);
 }
 
 static void test_ids(void) {
