@@ -188,8 +188,8 @@ static double divide_sheet(const correct *c, const eda_gates *all,
   eda_gates g = *all;
   opc_forecast one = {0};
   eda_box *e = &g.extent;
-  double most = (c->window + 3 * c->margin) / c->grid, wide = e->x1 - e->x0,
-         high = e->y1 - e->y0, start = memory.start;
+  double most = (c->window + 3 * c->margin) / c->grid, start = memory.start,
+         wide = (double)e->x1 - e->x0, high = (double)e->y1 - e->y0;
   double part = fmin(1, most / wide) * fmin(1, most / high);
   e->x1 = e->x0 + (int32_t)fmin(wide, most);
   e->y1 = e->y0 + (int32_t)fmin(high, most);

@@ -2,6 +2,7 @@
 /* Gates and masks with more than two layers: creation, checks, release. */
 #include <eda/check.h>
 #include <eda/memory.h>
+#include <eda/samples.h>
 #include <glib.h>
 #include <math.h>
 #include <string.h>
@@ -220,6 +221,27 @@ static void test_blame(void) {
   g_assert_cmpstr(error.message, ==, "no error message");
 }
 
+/* Sizes of sampled chips are positive and finite; messages count from 1. */
+static void test_samples(void) {
+  const eda_gates *g = eda_gates_sample();
+  static const double bad[] = {0, -1, NAN, INFINITY};
+  eda_samples *chips = eda_samples_new(g, 2);
+  opc_error error = {0};
+  for (size_t i = 0; i < 2 * g->count; i++) {
+    const eda_performance *p = &chips->of[i / g->count];
+    p->leq_ion[i % g->count] = p->weq[i % g->count] = 50;
+    p->area[i % g->count] = 2500;
+  }
+  g_assert_cmpint(eda_samples_check(chips, &error), ==, OPC_OK);
+  for (size_t k = 0; k < G_N_ELEMENTS(bad); k++) {
+    chips->of[1].weq[0] = bad[k];
+    g_assert_cmpint(eda_samples_check(chips, &error), ==, OPC_FAILED);
+    g_assert_true(g_str_has_prefix(error.message, "transistor 1 of chip 2 "));
+  }
+  eda_samples_free(chips);
+  eda_samples_free(NULL);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/gates/sample", test_sample);
@@ -229,5 +251,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/gates/performance", test_performance);
   g_test_add_func("/gates/third-layer", test_third_layer);
   g_test_add_func("/gates/blame", test_blame);
+  g_test_add_func("/gates/samples", test_samples);
   return g_test_run();
 }
