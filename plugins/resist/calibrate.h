@@ -10,6 +10,7 @@
 
 #include <eda/gates.h>
 #include <eda/litho.h>
+#include <math.h>
 #include <opcflow/follow.h>
 
 /* ---- a layer ---- */
@@ -123,7 +124,7 @@ int resist_layer_check(resist_layer *layer, int set, opc_error *error);
 /* Set a diffusion that is not given to 0, and report that as a finding in the
    name of plugin `id`. Call first in eda_resist.prepare. [main] */
 static inline void resist_set_diffusion(resist_base *resist, const char *id) {
-  if (resist->diffusion == resist->diffusion) return; /* not NAN */
+  if (!isnan(resist->diffusion)) return;
   resist->diffusion = 0;
   resist->host->log(resist->host, OPC_LOG_FINDING,
                     "%s: 'diffusion' is not set, so the image is not blurred, "
