@@ -21,8 +21,8 @@ typedef struct eda_samples {
 OPC_EXPORT eda_samples *eda_samples_new(const eda_gates *gates, size_t count);
 /* Free chips (NULL: do nothing), but not the gates. [any] */
 OPC_EXPORT void eda_samples_free(void *chips);
-/* Check that all sizes are positive and finite. Return OPC_OK, or OPC_FAILED and *error.
-   [any] */
+/* Check that all sizes are positive and finite. Return OPC_OK, or OPC_FAILED
+   and *error. [any] */
 OPC_EXPORT int eda_samples_check(const void *chips, opc_error *error);
 
 /* Initialise an opc_port (opcflow/step.h). */
