@@ -260,34 +260,39 @@ static void test_stopped_sweep(void) {
 
 /* ---- the flow of a step ---- */
 
-/* Two cases and two methods: the table has the sums of each run. */
+/* Two cases and two methods: the table has the sums of each run. The files of
+   the third method, which fails, are removed. The third case has none. */
 static void test_inner_flow(void) {
   trial t = {.options = {.output = "outer"}};
   put_text("inner.yaml",
            "opcflow: 1\nname: inner\nsteps:\n"
            "  a: { use: test.numbers, size: 1 nm }\n"
            "  b: { use: test.kept, number: 3, add: ${a}, file: b.txt }\n"
-           "variants:\n  more: { b.number: 9 }\n");
+           "  c: { use: test.numbers, size: 1 nm, add: ${b} }\n"
+           "variants:\n  more: { b.number: 9 }\n"
+           "  bad: { b.number: 12, c.behave: fail }\n");
   trial_run_good(&t,
                  "opcflow: 1\nname: outer\nsteps:\n"
                  "  e:\n    use: experiment\n    flow: inner.yaml\n"
-                 "    methods: { less: base, more: more }\n"
-                 "    cases: [{ a.size: [1 nm, 5 nm] }]\n",
+                 "    methods: { less: base, more: more, bad: bad }\n"
+                 "    cases: [{ a.size: [1 nm, 5 nm] }, { a.behave: fail }]\n",
                  NULL);
   g_autofree char *csv = get_text("outer", "experiment.csv");
   g_auto(GStrv) lines = g_strsplit(csv, "\r\n", -1);
-  g_assert_cmpuint(g_strv_length(lines), ==, 6); /* a head, and the last \n */
+  g_assert_cmpuint(g_strv_length(lines), ==, 11); /* a head, and the last \n */
   g_auto(GStrv) head = g_strsplit(lines[0], ",", -1);
   int folder = -1;
   for (int i = 0; head[i]; i++)
     if (!strcmp(head[i], "folder")) folder = i;
   g_assert_cmpint(folder, >=, 0);
   for (int i = 0; i < 4; i++) {
-    g_auto(GStrv) cells = g_strsplit(lines[i + 1], ",", -1);
+    g_auto(GStrv) cells = g_strsplit(lines[3 * (i / 2) + i % 2 + 1], ",", -1);
     g_autofree char *path = g_build_filename("outer", cells[folder], NULL);
+    g_autofree char *failed = g_build_filename(path, "../bad", NULL);
     g_autofree char *text = get_text(path, "b.txt");
     int sum = 1 + (i / 2 ? 5 : 1) + 3 + (i % 2 ? 3 : 1);
     g_assert_cmpfloat(g_ascii_strtod(text, NULL), ==, sum);
+    g_assert_false(has_file(failed, "."));
   }
   trial_clear(&t);
 }
