@@ -7,6 +7,8 @@
 #include <store/files.h>
 #include <string.h>
 
+#include "core/binding/resolve.h"
+
 static char *folder;
 
 static void write_file(const char *name, const char *text) {
@@ -154,6 +156,99 @@ static void test_visit(void) {
   g_assert_true(needed[0] && needed[1]);
 }
 
+/* ---- queries of the step ---- */
+
+/* An axis is used if a requested step, or a step that provides its input, has
+   a value of the axis; without requests, all steps are. */
+static void test_queries(void) {
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  g_autoptr(opc_flow) flow =
+      load(METHODS "    cases: [{ a.size: [2 nm, 5 nm] }]\n", problems);
+  const opc_host host = {.data = (void *)inner_of(flow)->binding};
+  opc_error error = {0};
+  size_t n;
+  const opc_inner_axis *const *axes = opc_inner_axes(&host, &n);
+  g_assert_cmpuint(n, ==, 2);
+  g_assert_true(axes[0]->used && axes[1]->used);
+  g_assert_cmpstr(opc_inner_find_output(&host, "c", "number", &error), ==, "c");
+  axes = opc_inner_axes(&host, &n);
+  g_assert_true(!axes[0]->used && !axes[1]->used);
+  g_assert_cmpstr(opc_inner_find_output(&host, NULL, "number", &error), ==,
+                  "a");
+  axes = opc_inner_axes(&host, &n);
+  g_assert_true(axes[0]->used && !axes[1]->used);
+  g_assert_cmpstr(opc_inner_find_metric(&host, "b.sum", &error)->name, ==,
+                  "sum");
+  axes = opc_inner_axes(&host, &n);
+  g_assert_true(axes[0]->used && axes[1]->used);
+  g_assert_cmpint(opc_inner_find_axis(&host, "cases", &error), ==, 0);
+  g_assert_cmpint(opc_inner_find_axis(&host, "methods", &error), ==, 1);
+  g_assert_cmpint(error.code, ==, OPC_OK);
+  g_assert_cmpint(opc_inner_find_axis(&host, "method", &error), ==, -1);
+  g_assert_cmpstr(error.message, ==,
+                  "'method' is not a swept parameter, did you mean 'methods'?");
+  g_assert_null(opc_inner_find_output(&host, "b", "mask", &error));
+  g_assert_nonnull(strstr(error.message, "makes no mask"));
+  g_assert_null(opc_inner_find_output(&host, "d", "number", &error));
+  g_assert_null(opc_inner_find_metric(&host, "b.smu", &error));
+  g_assert_nonnull(strstr(error.message, "did you mean 'sum'?"));
+}
+
+/* Names of files in resolved flows do not depend on the current folder. */
+static void test_absolute(void) {
+  g_autoptr(opc_problems) problems = opc_problems_new();
+  write_file("lists/all.yaml", "u: { a.whole: 1 }\nv: { a.whole: 2 }\n");
+  g_autoptr(opc_flow) flow =
+      load(METHODS
+           "    cases: [{ list: lists/all.yaml, a.note: in.txt }]\n"
+           "    set: { a.input: in.txt, b.file: in.txt }\n",
+           problems);
+  g_autofree char *faults = opc_problems_text(problems);
+  g_assert_cmpstr(faults, ==, "");
+  g_autofree char *text = opc_flow_resolved(flow, NULL);
+  g_autofree char *here = g_get_current_dir();
+  const char *const parts[] = {"a.input: %s/in.txt", "list: %s/lists/all.yaml",
+                               "flow: %s/inner.yaml"};
+  for (size_t i = 0; i < G_N_ELEMENTS(parts); i++) {
+    g_auto(GStrv) halves = g_strsplit(parts[i], "%s", 2);
+    g_autofree char *part = g_strconcat(halves[0], here, halves[1], NULL);
+    if (!strstr(text, part)) g_error("no '%s' in\n%s", part, text);
+  }
+  g_assert_nonnull(strstr(text, "a.note: in.txt"));
+  g_assert_nonnull(strstr(text, "b.file: in.txt"));
+}
+
+/* ---- faults ---- */
+
+/* Write a flow with an experiment that runs the flow `inner`. */
+static void write_nest(const char *name, const char *inner) {
+  g_autofree char *text =
+      g_strconcat("opcflow: 1\nsteps:\n  e: { use: experiment, flow: ", inner,
+                  ", methods: [base], cases: [{ name: x }] }\n", NULL);
+  write_file(name, text);
+}
+
+/* An experiment can run experiments, but those run no further ones. */
+static void test_depth(void) {
+  g_autoptr(opc_problems) good = opc_problems_new();
+  g_autoptr(opc_problems) bad = opc_problems_new();
+  write_nest("one.yaml", "inner.yaml");
+  write_nest("two.yaml", "one.yaml");
+  write_nest("three.yaml", "two.yaml");
+  g_autoptr(opc_flow) two = opc_flow_load("two.yaml", NULL, registry(), good);
+  g_autofree char *none = opc_problems_text(good);
+  g_assert_cmpstr(none, ==, "");
+  g_autoptr(opc_flow) three =
+      opc_flow_load("three.yaml", NULL, registry(), bad);
+  g_autofree char *faults = opc_problems_text(bad);
+  g_assert_nonnull(strstr(faults, "inner flows may be nested only twice"));
+  const opc_host host = {.data = (void *)inner_of(two)->binding};
+  opc_error error = {0};
+  g_assert_cmpint(inner_of(two)->binding->nested->service->begin(&host, &error),
+                  ==, OPC_FAILED);
+  g_assert_cmpstr(error.message, ==, "experiment runs in flows only");
+}
+
 static void test_faults(void) {
 #define CASES "    cases: [{ a.size: [1 nm, 5 nm] }]\n"
   static const struct {
@@ -190,6 +285,9 @@ int main(int argc, char **argv) {
   g_test_add_func("/inner/lists", test_lists);
   g_test_add_func("/inner/files", test_files);
   g_test_add_func("/inner/visit", test_visit);
+  g_test_add_func("/inner/queries", test_queries);
+  g_test_add_func("/inner/absolute", test_absolute);
+  g_test_add_func("/inner/depth", test_depth);
   g_test_add_func("/inner/faults", test_faults);
   int code = g_test_run();
   g_assert_cmpint(g_chdir("/"), ==, 0);
