@@ -68,34 +68,10 @@ static const opc_setting *value_of(const opc_flow *flow, guint step,
 
 static void test_not_yaml(void) {
   check_faults("", "flow.yaml:1:1: the file is empty");
-  check_faults("# only this\n", "flow.yaml:1:1: the file is empty");
-  check_faults("opcflow: [1\n",
-               "flow.yaml:1:10: not YAML: '[' is not closed: no ',' or ']' "
-               "before line 2, column 1");
-  check_faults("opcflow: 1\nsteps:\n  a: { use: test.numbers\n  b: {}\n",
-               "flow.yaml:3:6: not YAML: '{' is not closed: no ',' or '}' "
-               "before line 4, column 4");
-  check_faults(
-      "opcflow: 1\nsteps:\n  a:\n    use:test.numbers\n    size: 1 nm\n",
-      "flow.yaml:4:8: not YAML: no space after the colon of 'use:'");
-  check_faults("opcflow: 1\nsteps:\n  a:\n    use: a\n    x: y: z\n",
-               "flow.yaml:5:9: not YAML: mapping values are not allowed in "
-               "this context");
-  check_faults("opcflow: 1\n\tsteps: {}\n",
-               "flow.yaml:2:1: not YAML: found a tab character that violates "
-               "indentation while scanning a plain scalar");
-  check_faults("opcflow: 1\nsteps:\n\ta: {}\n",
-               "flow.yaml:3:1: not YAML: found a tab or a character that "
-               "cannot begin a value while scanning for the next token");
-  check_faults("caf\xE9: 1\n", "flow.yaml:1:4: not YAML: not UTF-8 text");
-  check_faults("opcflow: 1\n---\nopcflow: 1\n",
-               "flow.yaml:2:1: a second document");
   check_faults("- a\n", "flow.yaml:1:1: a flow must be a map, found a list");
-  check_faults("[a]: b\n", "flow.yaml:1:1: a key cannot be a list");
-  check_faults("a: \"\\0\"\n", "flow.yaml:1:4: a text with a NUL byte");
-  check_faults("a: !!int 3\n",
-               "flow.yaml:1:4: tags ('tag:yaml.org,2002:int') cannot be used "
-               "here");
+  check_faults("opcflow: 1\nsteps:\n  a: { use: x }\n  a: { use: y, use: z }\n",
+               "flow.yaml:4:3: duplicate key 'a', first given in line 3\n"
+               "flow.yaml:4:16: duplicate key 'use', first given in line 4");
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_assert_null(load_with("a: \0b\n", 6, NULL, problems));
   g_assert_null(opc_flow_load("none.yaml", NULL, registry(), problems));
@@ -105,41 +81,6 @@ static void test_not_yaml(void) {
       found, ==,
       "flow.yaml:1:4: not YAML: a NUL byte\n"
       "'none.yaml': no such file\n'.': is a folder, not a regular file");
-}
-
-static void test_aliases(void) {
-  check_faults("a: &x [1]\nb: *x\n",
-               "flow.yaml:1:4: anchors and aliases ('&x') cannot be used "
-               "here");
-  /* Nine levels of nine aliases: a billion values if expanded. */
-  GString *bomb = g_string_new("a0: &a0 [x]\n");
-  for (int i = 1; i < 10; i++)
-    g_string_append_printf(
-        bomb, "a%d: &a%d [*a%d,*a%d,*a%d,*a%d,*a%d,*a%d,*a%d,*a%d,*a%d]\n", i,
-        i, i - 1, i - 1, i - 1, i - 1, i - 1, i - 1, i - 1, i - 1, i - 1);
-  check_faults(bomb->str,
-               "flow.yaml:1:5: anchors and aliases ('&a0') cannot be used "
-               "here");
-  g_string_free(bomb, TRUE);
-}
-
-static void test_deep(void) {
-  g_autofree char *deep = g_strnfill(100000, '[');
-  g_autofree char *text = g_strconcat("a: ", deep, NULL);
-  check_faults(text, "flow.yaml:1:67: nested deeper than 64");
-  GString *many = g_string_new("a: [");
-  for (int i = 0; i < 200001; i++) g_string_append(many, "1,");
-  g_string_append(many, "]\n");
-  g_autoptr(opc_problems) problems = opc_problems_new();
-  g_assert_null(load_with(many->str, -1, NULL, problems));
-  g_assert_cmpuint(problems->list->len, ==, 1);
-  g_string_free(many, TRUE);
-}
-
-static void test_duplicates(void) {
-  check_faults("opcflow: 1\nsteps:\n  a: { use: x }\n  a: { use: y, use: z }\n",
-               "flow.yaml:4:3: duplicate key 'a', first given in line 3\n"
-               "flow.yaml:4:16: duplicate key 'use', first given in line 4");
 }
 
 static void test_head(void) {
@@ -433,9 +374,6 @@ int main(int argc, char **argv) {
   folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
   g_assert_cmpint(g_chdir(folder), ==, 0);
   g_test_add_func("/flow/not-yaml", test_not_yaml);
-  g_test_add_func("/flow/aliases", test_aliases);
-  g_test_add_func("/flow/deep", test_deep);
-  g_test_add_func("/flow/duplicates", test_duplicates);
   g_test_add_func("/flow/head", test_head);
   g_test_add_func("/flow/steps", test_steps);
   g_test_add_func("/flow/parameters", test_parameters);

@@ -132,8 +132,8 @@ static const cli_option *option_find(const cli_option *const *tables,
                                      const char *name, GPtrArray *names) {
   for (; *tables; tables++)
     for (const cli_option *o = *tables; o->name; o++) {
-      if (!strcmp(o->name, name)) return o;
       g_ptr_array_add(names, (char *)o->name);
+      if (!strcmp(o->name, name)) return o;
     }
   return NULL;
 }
