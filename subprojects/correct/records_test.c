@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests which parts of added shapes the record of a corrected transistor
-   contains. */
+   contains, and the classes of equal masked environments. */
 #include <eda/memory.h>
 #include <glib.h>
 #include <stdlib.h>
@@ -87,8 +87,91 @@ static void test_clipped(void) {
   }
 }
 
+/* ---- classes of masked environments ---- */
+
+enum { GATES = 600, MARGIN = 30 };
+
+static int is_near(const eda_chip_gate *g, const eda_chip_gate *o) {
+  return o->box.x0 <= g->box.x1 + MARGIN && o->box.x1 >= g->box.x0 - MARGIN &&
+         o->box.y0 <= g->box.y1 + MARGIN && o->box.y1 >= g->box.y0 - MARGIN;
+}
+
+/* Describe the neighbours of transistor i, seen from its lower left corner. All
+   transistors have the same axis and no flip. The caller frees the text. */
+static char *neighbours_of(const eda_chip *c, size_t i) {
+  const eda_chip_gate *g = &c->gate[i];
+  GString *text = g_string_new(NULL);
+  for (size_t k = 0; k < c->count; k++) { /* sorted by place */
+    const eda_chip_gate *o = &c->gate[k];
+    if (is_near(g, o))
+      g_string_append_printf(text, "%d %d %d %d %u,", o->box.x0 - g->box.x0,
+                             o->box.y0 - g->box.y0, o->box.x1 - g->box.x0,
+                             o->box.y1 - g->box.y0, o->mask);
+  }
+  return g_string_free(text, FALSE);
+}
+
+/* Rows of transistors of few sizes and masks, so that environments repeat. Rare
+   tall ones reach into the next bands. */
+static void fill_rows(eda_chip *c) {
+  g_autoptr(GRand) rand = g_rand_new_with_seed(5);
+  for (int i = 0; i < GATES; i++) {
+    int x = i % 20 * 40, y = i / 20 * 35,
+        high = g_rand_int_range(rand, 0, 99) ? 20 : 150;
+    c->gate[i] =
+        (eda_chip_gate){.box = {x, y, x + 10, y + high},
+                        .mask = (uint32_t)(g_rand_int_range(rand, 0, 30) == 0)};
+  }
+}
+
+/* The classes of each height of a band equal those of a comparison of all
+   transistors with all others. */
+static void test_prints(void) {
+  opc_error error;
+  const opc_host host = {0};
+  eda_chip *c = eda_alloc(1, sizeof *c);
+  if (eda_chip_reserve(c, GATES, &error)) g_error("%s", error.message);
+  c->count = GATES;
+  fill_rows(c);
+  uint32_t want[GATES], classes = 0;
+  GHashTable *known =
+      g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
+  for (size_t i = 0; i < GATES; i++) {
+    char *text = neighbours_of(c, i);
+    gpointer of = g_hash_table_lookup(known, text);
+    want[i] = of ? GPOINTER_TO_UINT(of) - 1 : classes;
+    if (!of)
+      g_hash_table_insert(known, g_strdup(text), GUINT_TO_POINTER(++classes));
+    g_free(text);
+  }
+  g_hash_table_destroy(known);
+  g_assert_cmpuint(classes, >, 20);
+  g_assert_cmpuint(classes, <, GATES / 2);
+  for (int32_t window = 1; window < 100000; window *= 7) {
+    work w = {.host = &host,
+              .margin = MARGIN,
+              .window = window,
+              .tallest = 150,
+              .chip = c,
+              .prints = work_sums(),
+              .sums = g_ptr_array_new_with_free_func(g_free)};
+    prints_find(&w);
+    g_assert_cmpuint(c->prints, ==, classes);
+    for (size_t i = 0; i < GATES; i++)
+      g_assert_cmpuint(c->gate[i].print, ==, want[i]);
+    prints_clear(&w);
+    g_hash_table_destroy(w.prints);
+    g_ptr_array_free(w.sums, TRUE);
+    free(w.print);
+    free(w.print_first);
+    free(w.tried);
+  }
+  eda_chip_free(c);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/records/clipped", test_clipped);
+  g_test_add_func("/records/prints", test_prints);
   return g_test_run();
 }

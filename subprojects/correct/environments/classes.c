@@ -207,7 +207,6 @@ static void work_init(work *w, const classes_request *r) {
 void correct_classes_free(division *w) {
   if (!w) return;
   eda_chip_free(w->chip);
-  free(w->found);
   free(w->first);
   free(w->before);
   free(w->alone);

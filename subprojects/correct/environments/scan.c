@@ -19,6 +19,12 @@ typedef struct scan {
   work *work;
   size_t columns, rows;
   char key[32];
+  /* Transistors of the present row of windows. */
+  found *found;
+  size_t count, capacity, row;
+  GHashTable *classes; /* maps a checksum to the class number + 1 */
+  uint8_t *flip;       /* [classes], orientation of the first member */
+  size_t class_capacity, kinds, kind_capacity, flips, flip_capacity;
 } scan;
 
 /* ---- a window ---- */
@@ -86,34 +92,6 @@ static int scan_some(void *data, size_t part, opc_bytes *out,
   return code;
 }
 
-static int take_some(void *data, size_t part, const void *bytes, size_t size,
-                     opc_error *error) {
-  const scan *s = data;
-  work *w = s->work;
-  size_t n = size / sizeof(found);
-  (void)part;
-  if (w->chip->count + n >= UINT32_MAX)
-    return opc_fail(error, OPC_INVALID, "layout", "more than 2^32 transistors");
-  eda_grow(&w->found, &w->capacity, w->chip->count + n, sizeof *w->found);
-  if (n) memcpy(w->found + w->chip->count, bytes, n * sizeof(found));
-  w->chip->count += n;
-  return OPC_OK;
-}
-
-/* Return the key of a stored result; all dependencies are inputs of the step.
- */
-static const char *key_of(void *data, size_t part) {
-  scan *s = data;
-  (void)snprintf(s->key, sizeof s->key, "%zu", part);
-  return s->key;
-}
-
-static void scan_done(void *data, size_t done) {
-  const scan *s = data;
-  size_t all = (s->columns * s->rows + AT_ONCE - 1) / AT_ONCE;
-  work_progress(s->work, (double)done / (double)all);
-}
-
 /* ---- classes ---- */
 
 EDA_COMPARE_RISING(by_corner, found, box.y0, box.x0);
@@ -130,33 +108,79 @@ static gboolean same_sum(gconstpointer a, gconstpointer b) {
 
 GHashTable *work_sums(void) { return g_hash_table_new(hash_sum, same_sum); }
 
-/* Group transistors into classes. `first` of a class is the lowest, then
-   leftmost member. Set `flip` of the other members to their orientation
-   relative to `first`. */
-static void find_classes(work *w) {
-  eda_chip *c = w->chip;
-  GHashTable *class_of = work_sums();
-  size_t capacity = 0, kinds = 0, kind_capacity = 0;
-  c->gate = eda_alloc(c->count, sizeof *c->gate);
-  for (size_t i = 0; i < c->count; i++) {
-    const found *f = &w->found[i];
-    guint class =
-        GPOINTER_TO_UINT(g_hash_table_lookup(class_of, f->around.sum));
-    if (!class) {
-      EDA_PUSH(w->first, w->classes, capacity, (uint32_t)i);
-      EDA_PUSH(w->kind, kinds, kind_capacity, f->kind);
-      class = (guint)w->classes;
-      g_hash_table_insert(class_of, (gpointer)f->around.sum,
-                          GUINT_TO_POINTER(class));
-    }
-    uint8_t as = w->found[w->first[class - 1]].around.flip;
-    c->gate[i] = (eda_chip_gate){.box = f->box,
-                                 .mask = class - 1,
-                                 .type = f->type,
-                                 .axis = f->axis,
-                                 .flip = f->around.flip ^ as};
+/* Return the class of a transistor. The first transistor of a class is the
+   lowest, then leftmost member. */
+static uint32_t class_of(scan *s, const found *f, size_t number) {
+  work *w = s->work;
+  guint class =
+      GPOINTER_TO_UINT(g_hash_table_lookup(s->classes, f->around.sum));
+  if (class) return class - 1;
+  gpointer sum = g_memdup2(f->around.sum, SUM_SIZE);
+  EDA_PUSH(w->first, w->classes, s->class_capacity, (uint32_t)number);
+  EDA_PUSH(w->kind, s->kinds, s->kind_capacity, f->kind);
+  EDA_PUSH(s->flip, s->flips, s->flip_capacity, f->around.flip);
+  g_ptr_array_add(w->sums, sum);
+  g_hash_table_insert(s->classes, sum, GUINT_TO_POINTER((guint)w->classes));
+  return (uint32_t)w->classes - 1;
+}
+
+/* Append the transistors of a row of windows to the chip. The rows are disjoint
+   in y, so that the transistors of all rows are sorted. */
+static int row_end(scan *s, opc_error *error) {
+  eda_chip *c = s->work->chip;
+  if (!s->count) return OPC_OK;
+  if (c->count + s->count >= UINT32_MAX)
+    return opc_fail(error, OPC_INVALID, "layout", "more than 2^32 transistors");
+  int code = eda_chip_reserve(c, c->count + s->count, error);
+  if (code) return code;
+  qsort(s->found, s->count, sizeof *s->found, by_corner);
+  for (size_t i = 0; i < s->count; i++) {
+    const found *f = &s->found[i];
+    uint32_t class = class_of(s, f, c->count);
+    c->gate[c->count++] =
+        (eda_chip_gate){.box = f->box,
+                        .mask = class,
+                        .type = f->type,
+                        .axis = f->axis,
+                        .flip = f->around.flip ^ s->flip[class]};
+    s->work->tallest = MAX(s->work->tallest, f->box.y1 - f->box.y0);
   }
-  g_hash_table_destroy(class_of);
+  s->count = 0;
+  return OPC_OK;
+}
+
+static int take_some(void *data, size_t part, const void *bytes, size_t size,
+                     opc_error *error) {
+  scan *s = data;
+  const work *w = s->work;
+  const char *at = bytes, *end = at + size;
+  int code = OPC_OK;
+  (void)part;
+  for (; at < end && !code; at += sizeof(found)) {
+    found f;
+    memcpy(&f, at, sizeof f);
+    size_t row = (size_t)((f.box.y0 - (int64_t)w->chip->extent.y0) / w->window);
+    if (row != s->row) code = row_end(s, error);
+    s->row = row;
+    EDA_PUSH(s->found, s->count, s->capacity, f);
+  }
+  return code;
+}
+
+/* ---- list of work units ---- */
+
+/* Return the key of a stored result; all dependencies are inputs of the step.
+ */
+static const char *key_of(void *data, size_t part) {
+  scan *s = data;
+  (void)snprintf(s->key, sizeof s->key, "%zu", part);
+  return s->key;
+}
+
+static void scan_done(void *data, size_t done) {
+  const scan *s = data;
+  size_t all = (s->columns * s->rows + AT_ONCE - 1) / AT_ONCE;
+  work_progress(s->work, (double)done / (double)all);
 }
 
 /* Compute the extent of the layers with transistors. */
@@ -173,6 +197,25 @@ int scan_extent(eda_chip *c, opc_error *error) {
   return OPC_OK;
 }
 
+static int scan_windows(scan *s, opc_error *error) {
+  const work *w = s->work;
+  const opc_pieces some = {.data = s,
+                           .name = "scan",
+                           .count = (w->windows + AT_ONCE - 1) / AT_ONCE,
+                           .key = key_of,
+                           .work = scan_some,
+                           .take = take_some,
+                           .done = scan_done};
+  s->classes = work_sums();
+  int code = opc_do_pieces(w->host, &some, error);
+  if (!code) code = row_end(s, error);
+  g_hash_table_destroy(s->classes);
+  g_ptr_array_set_size(w->sums, 0);
+  free(s->found);
+  free(s->flip);
+  return code;
+}
+
 int scan_all(work *w, opc_error *error) {
   scan s = {.work = w};
   int code = scan_extent(w->chip, error);
@@ -183,22 +226,10 @@ int scan_all(work *w, opc_error *error) {
     s.rows = (size_t)((all.y1 - (int64_t)all.y0) / w->window + 1);
   }
   w->windows = s.columns * s.rows;
-  const opc_pieces some = {.data = &s,
-                           .name = "scan",
-                           .count = (w->windows + AT_ONCE - 1) / AT_ONCE,
-                           .key = key_of,
-                           .work = scan_some,
-                           .take = take_some,
-                           .done = scan_done};
-  code = opc_do_pieces(w->host, &some, error);
+  code = scan_windows(&s, error);
   if (!code && !w->chip->count)
     code =
         opc_fail(error, OPC_INVALID, "layout",
                  "no transistors: layers 'poly' and 'active' do not overlap");
-  if (code) return code;
-  qsort(w->found, w->chip->count, sizeof *w->found, by_corner);
-  find_classes(w);
-  free(w->found);
-  w->found = NULL;
-  return OPC_OK;
+  return code;
 }

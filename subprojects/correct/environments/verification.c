@@ -29,11 +29,15 @@ static const struct {
 
 /* ---- classes of masked environments ---- */
 
-typedef struct seen {
+/* A band: transistors `begin` to `end` - 1 of the chip, in the order of their
+   lower edges. */
+typedef struct band {
   const work *work;
-  eda_index *index;
-  uint8_t (*sum)[SUM_SIZE];
-} seen;
+  size_t begin, end;
+  size_t from; /* first transistor that can be within `margin` of the band */
+  eda_index *index;         /* boxes of the transistors from `from` */
+  uint8_t (*sum)[SUM_SIZE]; /* [end - begin] */
+} band;
 
 /* Return the orientation of a gate relative to another one; Bit 0 is 1 if the
    axes of the gates differ, so that L and W are exchanged. */
@@ -61,20 +65,57 @@ static void sum_neighbour(const eda_chip_gate *g, const eda_chip_gate *o,
 }
 
 /* The sums include transistor i itself. */
-static void sum_up(const seen *s, size_t i) {
+static void sum_up(const band *s, size_t i) {
   const eda_chip *c = s->work->chip;
   const eda_chip_gate *g = &c->gate[i];
   eda_finder f =
       eda_index_find(s->index, eda_box_grown(g->box, s->work->margin));
   uint64_t sum[2] = {0};
-  for (uint32_t k; eda_index_next(&f, &k);) sum_neighbour(g, &c->gate[k], sum);
-  memcpy(s->sum[i], sum, SUM_SIZE);
+  for (uint32_t k; eda_index_next(&f, &k);)
+    sum_neighbour(g, &c->gate[s->from + k], sum);
+  memcpy(s->sum[i - s->begin], sum, SUM_SIZE);
 }
 
 static void sum_some(void *data, size_t part) {
-  const seen *s = data;
-  size_t end = MIN((part + 1) * SUMS_AT_ONCE, s->work->chip->count);
-  for (size_t i = part * SUMS_AT_ONCE; i < end; i++) sum_up(s, i);
+  const band *s = data;
+  size_t first = s->begin + part * SUMS_AT_ONCE,
+         end = MIN(first + SUMS_AT_ONCE, s->end);
+  for (size_t i = first; i < end; i++) sum_up(s, i);
+}
+
+/* Return the number of transistors whose lower edge is below y. */
+static size_t count_below(const eda_chip *c, int64_t y) {
+  size_t from = 0, to = c->count;
+  while (from < to) {
+    size_t middle = from + (to - from) / 2;
+    if (c->gate[middle].box.y0 < y)
+      from = middle + 1;
+    else
+      to = middle;
+  }
+  return from;
+}
+
+/* Compute the checksums of the band of transistors that begins with `begin` and
+   has the height of a window. The caller frees band.sum. */
+static band band_sum(const work *w, size_t begin) {
+  const eda_chip *c = w->chip;
+  int64_t low = c->gate[begin].box.y0, high = low + w->window;
+  int64_t reach = (int64_t)w->margin + w->tallest;
+  band s = {.work = w,
+            .begin = begin,
+            .end = count_below(c, high),
+            .from = count_below(c, low - reach)};
+  size_t n = count_below(c, high + reach) - s.from, own = s.end - begin;
+  eda_box *box = eda_alloc(n, sizeof *box);
+  for (size_t i = 0; i < n; i++) box[i] = c->gate[s.from + i].box;
+  s.index = eda_index_new(box, n, 0);
+  free(box);
+  s.sum = eda_alloc(own, sizeof *s.sum);
+  opc_parallel(w->host->context, (own + SUMS_AT_ONCE - 1) / SUMS_AT_ONCE,
+               sum_some, &s);
+  eda_index_free(s.index);
+  return s;
 }
 
 static void add_print(work *w, const uint8_t *sum, uint32_t first) {
@@ -96,20 +137,16 @@ static void add_print(work *w, const uint8_t *sum, uint32_t first) {
 
 void prints_find(work *w) {
   eda_chip *c = w->chip;
-  eda_box *box = eda_alloc(c->count, sizeof *box);
-  for (size_t i = 0; i < c->count; i++) box[i] = c->gate[i].box;
-  seen s = {w, eda_index_new(box, c->count, 0),
-            eda_alloc(c->count, sizeof *s.sum)};
-  free(box);
-  opc_parallel(w->host->context, (c->count + SUMS_AT_ONCE - 1) / SUMS_AT_ONCE,
-               sum_some, &s);
-  for (size_t i = 0; i < c->count; i++) {
-    guint k = GPOINTER_TO_UINT(g_hash_table_lookup(w->prints, s.sum[i]));
-    if (!k) add_print(w, s.sum[i], (uint32_t)i);
-    c->gate[i].print = (k ? k : (guint)c->prints) - 1;
+  for (size_t i = 0; i < c->count;) {
+    band s = band_sum(w, i);
+    for (; i < s.end; i++) {
+      const uint8_t *sum = s.sum[i - s.begin];
+      guint k = GPOINTER_TO_UINT(g_hash_table_lookup(w->prints, sum));
+      if (!k) add_print(w, sum, (uint32_t)i);
+      c->gate[i].print = (k ? k : (guint)c->prints) - 1;
+    }
+    free(s.sum);
   }
-  eda_index_free(s.index);
-  free(s.sum);
 }
 
 void prints_clear(work *w) {

@@ -68,11 +68,8 @@ struct division {
   int64_t rounds;
   size_t round; /* round of verification */
   classes_cells cells;
-  eda_chip *chip; /* the output of the step */
-
-  /* [chip->count], all transistors found by the scan. */
-  found *found;
-  size_t capacity;
+  eda_chip *chip;  /* the output of the step */
+  int32_t tallest; /* largest height of a transistor's box */
 
   /* Classes of drawn environments. chip->mask has one mask for each class,
      followed by the masks of refinements. `first`: [classes], the

@@ -1,16 +1,81 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Transistors of a chip; assignment of their edge displacements to the
    transistors of a window. */
+#include <errno.h>
+#include <fcntl.h>
+#include <glib.h>
+#include <stdlib.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <eda/chip.h>
 #include <eda/memory.h>
-#include <stdlib.h>
+
+/* ---- records in a file ---- */
+
+/* /tmp is in memory on many systems. */
+static const char *file_folder(void) {
+  const char *given = g_getenv("TMPDIR");
+  return given && *given ? given : "/var/tmp";
+}
+
+static int file_fail(int fault, size_t size, opc_error *error) {
+  return opc_fail(error, OPC_IO, NULL,
+                  "'%s': cannot keep a temporary file of %zu bytes with the "
+                  "records of transistors: %s; set TMPDIR to another folder",
+                  file_folder(), size, g_strerror(fault));
+}
+
+/* Create the file without a name: the system removes the file when the process
+   ends. */
+static int file_open(eda_chip *c, size_t size, opc_error *error) {
+  g_autofree char *path =
+      g_build_filename(file_folder(), "opcflow-XXXXXX", NULL);
+  int file = g_mkstemp_full(path, O_RDWR | O_CLOEXEC, 0600);
+  if (file < 0) return file_fail(errno, size, error);
+  (void)unlink(path);
+  c->file = file;
+  return OPC_OK;
+}
+
+int eda_chip_reserve(eda_chip *c, size_t count, opc_error *error) {
+  size_t size = count * sizeof *c->gate, before = c->capacity * sizeof *c->gate;
+  if (count <= c->capacity) return OPC_OK;
+  int code = c->capacity ? OPC_OK : file_open(c, size, error);
+  if (code) return code;
+  /* Without the allocation, writing to a full disk would be a bus error. */
+  int fault = posix_fallocate(c->file, 0, (off_t)size);
+  void *at = MAP_FAILED;
+  if (!fault && c->capacity)
+    at = mremap(c->gate, before, size, MREMAP_MAYMOVE);
+  else if (!fault)
+    at = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED, c->file, 0);
+  if (at == MAP_FAILED) {
+    if (!fault) fault = errno;
+    if (!c->capacity) (void)close(c->file);
+    return file_fail(fault, size, error);
+  }
+  c->gate = at;
+  c->capacity = count;
+  return OPC_OK;
+}
+
+static void file_close(eda_chip *c) {
+  (void)munmap(c->gate, c->capacity * sizeof *c->gate);
+  (void)close(c->file);
+}
+
+/* ---- memory ---- */
 
 void eda_chip_free(eda_chip *c) {
   if (!c) return;
   for (size_t k = 0; k < c->layers; k++) free(c->layer[k]);
   free(c->layer);
   free(c->corrected);
-  free(c->gate);
+  if (c->capacity)
+    file_close(c);
+  else
+    free(c->gate);
   free(c->mask);
   free(c->part);
   free(c->box);

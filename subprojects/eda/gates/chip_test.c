@@ -4,6 +4,7 @@
 #include <eda/chip.h>
 #include <eda/memory.h>
 #include <glib.h>
+#include <glib/gstdio.h>
 #include <string.h>
 
 enum { W = 6, L = 3, GATES = 8 };
@@ -206,11 +207,35 @@ static void test_check(void) {
   g_assert_cmpint(eda_chip_check(&t.chip, &error), ==, OPC_OK);
 }
 
+/* Records survive the growth of their file, which has no name. */
+static void test_reserve(void) {
+  opc_error error;
+  g_autoptr(GError) fault = NULL;
+  g_autofree char *folder = g_dir_make_tmp("chip-XXXXXX", &fault);
+  g_assert_no_error(fault);
+  g_setenv("TMPDIR", folder, TRUE);
+  eda_chip *c = eda_alloc(1, sizeof *c);
+  for (size_t n = 1; n < 300000; n = 3 * n + 1) {
+    if (eda_chip_reserve(c, n, &error)) g_error("%s", error.message);
+    for (; c->count < n; c->count++)
+      c->gate[c->count].mask = (uint32_t)c->count;
+    for (size_t i = 0; i < n; i++) g_assert_cmpuint(c->gate[i].mask, ==, i);
+  }
+  g_assert_cmpint(g_rmdir(folder), ==, 0);
+  eda_chip_free(c);
+  c = eda_alloc(1, sizeof *c);
+  g_assert_cmpint(eda_chip_reserve(c, 1, &error), ==, OPC_IO);
+  g_assert_nonnull(strstr(error.message, folder));
+  g_assert_nonnull(strstr(error.message, "TMPDIR"));
+  eda_chip_free(c);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/chip/place", test_place);
   g_test_add_func("/chip/find", test_find);
   g_test_add_func("/chip/moved", test_moved);
   g_test_add_func("/chip/check", test_check);
+  g_test_add_func("/chip/reserve", test_reserve);
   return g_test_run();
 }

@@ -15,7 +15,8 @@ G_STATIC_ASSERT(sizeof(eda_mask) ==
 typedef struct stream {
   FILE *file;
   int writing, failed;
-  uint64_t left; /* bytes not yet read */
+  uint64_t left;  /* bytes not yet read */
+  opc_error full; /* code != OPC_OK: no space for the records of a chip */
 } stream;
 
 /* ---- bytes ---- */
@@ -149,6 +150,14 @@ static void move_moved(stream *s, eda_mask *m) {
   move_fields(s, m->moved);
 }
 
+/* Read or write the records of a chip's transistors. */
+static void move_records(stream *s, eda_chip *c) {
+  if (!s->writing && c->count > s->left / sizeof *c->gate) s->failed = 1;
+  if (s->failed) return;
+  if (!s->writing && eda_chip_reserve(c, c->count, &s->full)) s->failed = 1;
+  if (!s->failed) stream_move(s, c->gate, c->count * sizeof *c->gate);
+}
+
 /* Read or write the arrays of a chip. */
 static void move_chip(stream *s, eda_chip *c) {
   size_t layers = c->layers;
@@ -159,7 +168,7 @@ static void move_chip(stream *s, eda_chip *c) {
   move_count(s, &c->parts);
   move_count(s, &c->boxes);
   if (layers != c->layers) s->failed = 1;
-  move_array(s, &c->gate, c->count, sizeof *c->gate);
+  move_records(s, c);
   move_array(s, &c->mask, c->masks, sizeof *c->mask);
   move_array(s, &c->part, c->parts, sizeof *c->part);
   move_array(s, &c->box, c->boxes, sizeof *c->box);
@@ -202,7 +211,9 @@ static void move_mask(stream *s, eda_mask *m) {
 static int close_stream(stream *s, const char *path, opc_error *error) {
   int code = OPC_OK;
   if (s->file && fclose(s->file)) s->failed = 1;
-  if (!s->file || (s->writing && s->failed))
+  if (s->full.code)
+    *error = s->full, code = error->code;
+  else if (!s->file || (s->writing && s->failed))
     code = opc_fail(error, OPC_IO, NULL, "'%s': cannot be %s", path,
                     s->writing ? "written" : "read");
   else if (s->failed || s->left)

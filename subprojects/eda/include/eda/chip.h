@@ -57,7 +57,8 @@ typedef struct eda_chip {
   uint8_t *corrected;  /* 1: corrected layer; eda_chip_free frees this and all
                           further arrays by free() */
   size_t count;        /* number of transistors */
-  eda_chip_gate *gate; /* ordered by lowest, then leftmost corner */
+  eda_chip_gate *gate; /* ordered by lowest, then leftmost corner; from
+                          eda_chip_reserve or eda_alloc */
   size_t masks;        /* elements of `mask` */
   size_t prints;       /* number of classes */
   size_t parts, boxes; /* elements of `part`, and of `box` */
@@ -75,6 +76,10 @@ typedef struct eda_chip {
   /* 1: masks are those of cells alone, whose drawn edges can be rounded to the
      grid differently than in the layout. */
   int placed;
+  /* Capacity of the file of `gate` in transistors, 0: no file; and the
+     descriptor of the file (eda_chip_reserve). */
+  size_t capacity;
+  int file;
 } eda_chip;
 
 /* eda_chip_free: free a chip (NULL: do nothing). eda_chip_check: check the
@@ -82,6 +87,13 @@ typedef struct eda_chip {
    *error. [any] */
 OPC_EXPORT void eda_chip_free(eda_chip *chip);
 OPC_EXPORT int eda_chip_check(const eda_chip *chip, opc_error *error);
+
+/* Set the capacity of `gate` to at least `count` transistors. The records are
+   in an unnamed file in the folder TMPDIR (if not set: /var/tmp), which is
+   mapped into memory. The system reads and writes the records in use, so that
+   memory does not limit their number. Existing records remain; `gate` may move.
+   Return OPC_OK, or OPC_IO and *error. [main] */
+OPC_EXPORT int eda_chip_reserve(eda_chip *chip, size_t count, opc_error *error);
 
 /* Make a mask by classes, which owns the chip. The mask has a gate for each
    class: box, type and axis are those of the first transistor of the class, L
