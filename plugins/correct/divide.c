@@ -19,7 +19,8 @@ static const struct {
 
     /* Largest number of polygons of poly for which `opcflow check` finds the
        environments, in at most about a second. The forecast of `auto` is that
-       of the whole, up to `most`. */
+       of the whole, up to `most`. For more polygons, the forecast uses a sample
+       of the environments. */
     .searched = 20000,
 
     /* Largest number of classes per transistor for which classes take less time
@@ -170,33 +171,55 @@ static int divide_outline(correct *c, int32_t top, double transistors,
 }
 
 /* Measured memory of a correction by classes, bytes: libraries, kernels and
-   the fields of a sheet of a repetitive layout; a polygon of poly. A transistor
-   needs 95 bytes, and memories have about two polygons for each. */
+   the fields of a sheet of a repetitive layout; a class; the record of a
+   transistor, in a file. Memories have two polygons of poly per transistor. */
 static const struct {
-  double start, start_fine, polygon;
-} memory = {110e6, 165e6, 60};
+  double start, start_fine, class, record, transistors;
+} memory = {110e6, 165e6, 1300, sizeof(eda_chip_gate), 0.5};
 
 static int is_accurate(const correct *c) {
   const eda_litho *litho = c->with.litho->functions;
   return c->with.fine > 0 && litho->image_fine;
 }
 
-/* Return the memory of a sheet, bytes. `all`: outline of the layout. A layout
-   that fits on a sheet is simulated as a whole. */
-static double divide_sheet(const correct *c, const eda_gates *all,
+/* Return the side of a clip without gaps, grid steps: a layout is bisected
+   until the parts fit into a window. */
+static double divide_clip(const correct *c, double side) {
+  double whole = side * c->grid;
+  while (side * c->grid > c->window) side /= 2;
+  return side + (side * c->grid < whole ? 3 * c->margin / c->grid : 0);
+}
+
+/* Return the memory of a sheet, bytes. `all`: outline of the layout;
+   `repeated`: 1: sheets contain few clips. A layout that fits on a sheet is
+   simulated as a whole. */
+static double divide_sheet(const correct *c, const eda_gates *all, int repeated,
                            divide_whole *whole) {
   eda_gates g = *all;
   opc_forecast one = {0};
   eda_box *e = &g.extent;
-  double most = (c->window + 3 * c->margin) / c->grid, start = memory.start,
-         wide = (double)e->x1 - e->x0, high = (double)e->y1 - e->y0;
-  double part = fmin(1, most / wide) * fmin(1, most / high);
-  e->x1 = e->x0 + (int32_t)fmin(wide, most);
-  e->y1 = e->y0 + (int32_t)fmin(high, most);
+  double wide = (double)e->x1 - e->x0, high = (double)e->y1 - e->y0,
+         clip_wide = divide_clip(c, wide), clip_high = divide_clip(c, high),
+         part = clip_wide / wide * (clip_high / high);
+  e->x1 = e->x0 + (int32_t)clip_wide;
+  e->y1 = e->y0 + (int32_t)clip_high;
   g.count = (size_t)((double)g.count * part);
   whole(c, &g, &one);
-  if (is_accurate(c)) start = memory.start_fine;
-  return part < 1 ? fmin(one.memory, start) : one.memory;
+  if (part >= 1 || !repeated) return one.memory;
+  return fmin(one.memory, is_accurate(c) ? memory.start_fine : memory.start);
+}
+
+/* Estimate the number of classes per transistor from a sample of windows. */
+static int divide_sample(correct *c, double *share, opc_error *error) {
+  classes_request r = divide_request(c);
+  division *d;
+  size_t n;
+  r.sample = 1;
+  int code = correct_classes_find(&r, &d, error);
+  size_t classes = correct_classes_count(d, &n);
+  *share = n ? (double)classes / (double)n : 0;
+  correct_classes_free(d);
+  return code;
 }
 
 /* Return OPC_OK, or an error if the layout lacks the layers of transistors. */
@@ -211,9 +234,36 @@ static int divide_check_layers(const correct *c, int32_t top,
   return code;
 }
 
+/* Forecast the correction of the whole layout. */
+static void forecast_whole(const correct *c, int32_t top, opc_forecast *out) {
+  eda_segment_settings settings = EDA_SEGMENT_SETTINGS(c);
+  const char *obstacle = divide_obstacle(c);
+  out->memory += eda_segment_bytes(c->layout, top, &settings);
+  if (obstacle)
+    (void)snprintf(out->help, sizeof out->help,
+                   "part of the layout, or no %s, for 'divide: environments'",
+                   obstacle);
+}
+
+/* Forecast the correction by classes. `share`: classes per transistor. */
+static void forecast_classes(const correct *c, const eda_gates *all,
+                             double share, divide_whole *whole,
+                             opc_forecast *out) {
+  int repeated = share <= tuned.repeated;
+  double n = (double)all->count * (repeated ? memory.transistors : 1);
+  out->memory = divide_sheet(c, all, repeated, whole) +
+                (memory.record + memory.class * share) * n;
+  (void)snprintf(out->work, sizeof out->work,
+                 "about %.0f transistors in windows of %g um", n,
+                 c->window / 1000);
+  (void)snprintf(out->help, sizeof out->help,
+                 "a smaller 'window', or part of the layout");
+}
+
 int divide_forecast(correct *c, divide_whole *whole, opc_forecast *out,
                     opc_error *error) {
   eda_gates g;
+  double share = 1;
   int32_t top = eda_segment_top(c->layout, c->top, error);
   if (top < 0) return error->code;
   double polygons = divide_polygons(c, top);
@@ -221,24 +271,15 @@ int divide_forecast(correct *c, divide_whole *whole, opc_forecast *out,
   if (!code) code = divide_outline(c, top, polygons, &g, error);
   if (code) return code;
   whole(c, &g, out);
-  const char *obstacle = divide_obstacle(c);
-  int can_be_whole = c->divide == DIVIDE_AUTO && polygons <= tuned.searched &&
-                     out->memory <= tuned.most;
-  if (can_be_whole || divide_is_whole(c, polygons)) {
-    eda_segment_settings settings = EDA_SEGMENT_SETTINGS(c);
-    out->memory += eda_segment_bytes(c->layout, top, &settings);
-    if (obstacle)
-      (void)snprintf(out->help, sizeof out->help,
-                     "part of the layout, or no %s, for 'divide: environments'",
-                     obstacle);
-    return OPC_OK;
-  }
-  out->memory = divide_sheet(c, &g, whole) + memory.polygon * polygons;
-  (void)snprintf(out->work, sizeof out->work,
-                 "about %.0f transistors in windows of %g um", polygons,
-                 c->window / 1000);
-  (void)snprintf(out->help, sizeof out->help,
-                 "a smaller 'window', or part of the layout");
+  int is_whole = divide_is_whole(c, polygons),
+      is_open = c->divide == DIVIDE_AUTO && out->memory <= tuned.most;
+  if (!is_whole && (!is_open || polygons > tuned.searched))
+    code = divide_sample(c, &share, error);
+  if (code) return code;
+  if (is_whole || (is_open && share > tuned.repeated))
+    forecast_whole(c, top, out);
+  else
+    forecast_classes(c, &g, share, whole, out);
   return OPC_OK;
 }
 

@@ -406,6 +406,32 @@ static double memory_of(const drawing *d, const char *divide) {
   return out.memory;
 }
 
+/* Return a layout with `rows` rows of 100 cells, in which nearly all distances
+   of neighbours differ. */
+static drawing irregular(int rows) {
+  drawing d = drawing_new();
+  g_autoptr(GRand) rand = g_rand_new_with_seed(1);
+  for (int row = 0; row < rows; row++)
+    for (int x = 0, i = 0; i < 100; i++) {
+      place_sample(&d, x, 2000 * row, 0, 0, 1);
+      x += g_rand_int_range(rand, 800, 1200);
+    }
+  return d;
+}
+
+/* A sample of a large layout shows whether environments repeat: `auto` needs
+   the memory of the whole where few do, and each class needs memory. */
+static void test_sample(void) {
+  drawing d = irregular(70);
+  double whole = memory_of(&d, "whole"), by = memory_of(&d, "environments");
+  g_assert_cmpfloat(memory_of(&d, "auto"), ==, whole);
+  eda_layout_free(d.layout);
+  d = irregular(140);
+  double more = memory_of(&d, "environments") - by;
+  g_assert_cmpfloat(fabs(more / (21000 * 1328.0) - 1), <, 0.1);
+  eda_layout_free(d.layout);
+}
+
 /* A layout on one sheet needs the memory of the whole; a large one needs that
    of a sheet. `auto` can decide for the whole. */
 static void test_forecast(void) {
@@ -439,5 +465,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/chip/auto", test_auto);
   g_test_add_func("/chip/refused", test_refused);
   g_test_add_func("/chip/forecast", test_forecast);
+  g_test_add_func("/chip/sample", test_sample);
   return g_test_run();
 }

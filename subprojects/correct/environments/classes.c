@@ -197,6 +197,8 @@ static void work_init(work *w, const classes_request *r) {
               .window = in_steps(r->window, grid),
               .gap = in_steps(CLASSES_GAP, grid),
               .rounds = r->rounds,
+              .sample = r->sample,
+              .orientations = 8,
               .cells = r->cells,
               .chip = eda_alloc(1, sizeof *w->chip),
               .prints = work_sums(),
@@ -284,8 +286,8 @@ int correct_classes_find(const classes_request *r, division **out,
                          opc_error *error) {
   work *w = *out = eda_alloc(1, sizeof *w);
   work_init(w, r);
-  int code = chip_begin(r, w->chip, 1, error);
-  if (!code) code = find_symmetry(w, error);
+  int code = chip_begin(r, w->chip, !r->sample, error);
+  if (!code && !r->sample) code = find_symmetry(w, error);
   if (!code) code = work_phase(w, 0.1, error);
   return code ? code : scan_all(w, error);
 }

@@ -11,13 +11,15 @@
 #include "work.h"
 
 /* First value: number of windows per work unit, enough for two to eight cores
-   and independent of the number of threads. Second value: extension of a window
+   and independent of the number of threads. Second value: smallest number of
+   windows of a sample of a large layout. Third value: extension of a window
    beyond the radius, nm, larger than most transistors. */
-enum { AT_ONCE = 8, BEYOND = 2000 };
+enum { AT_ONCE = 8, SAMPLE = 8, BEYOND = 2000 };
 
 typedef struct scan {
   work *work;
   size_t columns, rows;
+  size_t every; /* windows 0, every, 2 every, ... are searched */
   char key[32];
   /* Transistors of the present row of windows. */
   found *found;
@@ -66,6 +68,7 @@ static int scan_window(void *data, size_t i, opc_error *error) {
 static eda_box core_of(const scan *s, size_t i) {
   const work *w = s->work;
   eda_box all = w->chip->extent;
+  i = i * s->every + s->every / 2;
   int32_t x = all.x0 + (int32_t)(i % s->columns) * w->window,
           y = all.y0 + (int32_t)(i / s->columns) * w->window;
   return (eda_box){x, y, x + w->window, y + w->window};
@@ -77,7 +80,7 @@ static int scan_some(void *data, size_t part, opc_bytes *out,
                      opc_error *error) {
   const scan *s = data;
   window windows[AT_ONCE];
-  size_t all = s->columns * s->rows, first = part * AT_ONCE,
+  size_t all = s->work->windows, first = part * AT_ONCE,
          n = MIN(AT_ONCE, all - first);
   batch these = {s->work, windows};
   memset(windows, 0, sizeof windows);
@@ -179,7 +182,7 @@ static const char *key_of(void *data, size_t part) {
 
 static void scan_done(void *data, size_t done) {
   const scan *s = data;
-  size_t all = (s->columns * s->rows + AT_ONCE - 1) / AT_ONCE;
+  size_t all = (s->work->windows + AT_ONCE - 1) / AT_ONCE;
   work_progress(s->work, (double)done / (double)all);
 }
 
@@ -226,8 +229,10 @@ int scan_all(work *w, opc_error *error) {
     s.rows = (size_t)((all.y1 - (int64_t)all.y0) / w->window + 1);
   }
   w->windows = s.columns * s.rows;
+  s.every = w->sample ? MAX(w->windows / SAMPLE, 1) : 1;
+  w->windows /= s.every;
   code = scan_windows(&s, error);
-  if (!code && !w->chip->count)
+  if (!code && !w->sample && !w->chip->count)
     code =
         opc_fail(error, OPC_INVALID, "layout",
                  "no transistors: layers 'poly' and 'active' do not overlap");

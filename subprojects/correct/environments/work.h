@@ -65,6 +65,7 @@ struct division {
      are corrected, too; side of a window; distance of clips on a sheet. */
   int32_t radius, window, gap;
   int orientations; /* number of equivalent orientations: 1, 4 or 8 */
+  int sample;       /* as in classes_request */
   int64_t rounds;
   size_t round; /* round of verification */
   classes_cells cells;
