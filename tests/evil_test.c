@@ -227,6 +227,23 @@ static void test_dangling(void) {
                    "crashed in plugin '%s': segmentation fault\n");
 }
 
+/* A plugin that damages the heap is among the suspects of the crash, which
+   occurs in another plugin when the run has ended. */
+static void test_heap(void) {
+#ifdef __SANITIZE_ADDRESS__
+  g_test_skip("the sanitizer reports the fault first");
+  return;
+#endif
+  write_correction("synthesizer");
+  assert_exit(
+      call_while("run bad.yaml --output x", "", "heap"), 4,
+      "segment.transistors",
+      "crashed in plugin '%s': aborted\nnote: plugins called before may "
+      "have damaged the memory: ");
+  g_assert_nonnull(strstr(err, "'bad.synthesizer'"));
+  expect_kept();
+}
+
 /* A returned array that is not on the heap is attributed to the plugin. */
 static void test_static(void) {
 #ifdef __SANITIZE_ADDRESS__
@@ -445,6 +462,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/evil/words", test_words);
   g_test_add_func("/evil/pages", test_pages);
   g_test_add_func("/evil/dangling", test_dangling);
+  g_test_add_func("/evil/heap", test_heap);
   g_test_add_func("/evil/static", test_static);
   g_test_add_func("/evil/beside", test_beside);
   g_test_add_func("/evil/step", test_step);

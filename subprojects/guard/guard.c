@@ -149,18 +149,30 @@ _Noreturn static void plugin_blame(const char *id, const char *what,
 
 /* ---- present plugins ---- */
 
-/* Distinct plugins called since the command last called a plugin in the first
-   thread. Any of them may have damaged the memory of a plugin that crashes. */
-enum { MOST_CALLED = 32 };
-static const char *called[MOST_CALLED];
+/* Plugins called so far, in the order of their first calls. Any of them may
+   have damaged the memory of a plugin that crashes. `id` is the pointer passed
+   to guard_enter, which may be freed after the call; NULL until `name` is
+   complete. */
+enum { MOST_CALLED = 64, LONGEST_NAME = 80 };
+static struct called {
+  const char *id;
+  char name[LONGEST_NAME];
+} called[MOST_CALLED];
 static int n_called;
+
+static int called_is(const struct called *c, const char *id) {
+  return __atomic_load_n(&c->id, __ATOMIC_ACQUIRE) == id &&
+         !strncmp(c->name, id, LONGEST_NAME - 1);
+}
 
 static void called_add(const char *id) {
   int n = __atomic_load_n(&n_called, __ATOMIC_ACQUIRE), i = 0;
-  while (i < n && i < MOST_CALLED && called[i] != id) i++;
-  if (i < n) return;
+  while (i < n && i < MOST_CALLED && !called_is(&called[i], id)) i++;
+  if (i < n || i == MOST_CALLED) return;
   i = __atomic_fetch_add(&n_called, 1, __ATOMIC_ACQ_REL);
-  if (i < MOST_CALLED) __atomic_store_n(&called[i], id, __ATOMIC_RELEASE);
+  if (i >= MOST_CALLED) return;
+  text_copy(called[i].name, LONGEST_NAME, id);
+  __atomic_store_n(&called[i].id, id, __ATOMIC_RELEASE);
 }
 
 /* State of a thread; other threads read the state. */
@@ -353,7 +365,6 @@ const char *guard_enter(const char *id) {
   /* Check first, so that the change is not attributed to the next plugin. */
   if (guarded && id && who && id != who) guard_check_process(who);
   calls++;
-  if (!before && &me == main_worker) n_called = 0;
   if (id) called_add(id);
   field_set(&me.inside, id);
   return before;
@@ -457,8 +468,9 @@ static int is_foreign(const siginfo_t *info) {
 static int add_called(char *list, size_t capacity, const char *id) {
   int n = 0, all = n_called < MOST_CALLED ? n_called : MOST_CALLED;
   for (int i = 0; i < all; i++)
-    if (called[i] && (!id || strcmp(called[i], id) != 0))
-      n = add_name(list, capacity, n, called[i]);
+    if (__atomic_load_n(&called[i].id, __ATOMIC_ACQUIRE) &&
+        (!id || strcmp(called[i].name, id) != 0))
+      n = add_name(list, capacity, n, called[i].name);
   return n;
 }
 
@@ -467,7 +479,8 @@ static int is_memory_fault(int number) {
 }
 
 static void guard_crash(int number, siginfo_t *info, void *unused) {
-  char list[1024] = ""; /* local, because several threads may crash at once */
+  char list[MOST_CALLED * (LONGEST_NAME + 4)] =
+      ""; /* local, because several threads may crash at once */
   (void)unused;
   const process_signal *s = process_signals;
   while (s->number != number) s++;

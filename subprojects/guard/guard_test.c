@@ -183,6 +183,17 @@ static void crash_after_other(void) {
   abort();
 }
 
+/* A plugin of an earlier step is a suspect, too. Its name may be freed
+   memory. */
+static void crash_in_next_step(void) {
+  char name[] = "earlier";
+  guard_leave(NULL);
+  guard_leave(guard_enter(name));
+  memset(name, 'x', sizeof name - 1);
+  guard_enter("later");
+  abort();
+}
+
 static void *crash_beside(void *barrier) {
   guard_enter("bad");
   pthread_barrier_wait(barrier);
@@ -260,6 +271,10 @@ static const struct {
      "may "
      "have damaged the memory: 'bad'; OPCFLOW_GUARD=pages detects more of such "
      "writes\n"},
+    {crash_in_next_step, 4,
+     "here: crashed in plugin 'later': aborted\nnote: plugins called before "
+     "may have damaged the memory: 'bad', 'earlier'; OPCFLOW_GUARD=pages "
+     "detects more of such writes\n"},
     {set_alarm, 4, "here: plugin 'bad' left an alarm set\n"},
 };
 

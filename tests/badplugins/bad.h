@@ -53,6 +53,12 @@ static inline void write_wildly(void *data, size_t i) {
     kept = (array);                               \
   } while (0)
 
+/* Overwrite the size of a block of the heap that the host or another plugin
+   frees. */
+static inline void heap_damage(const void *block) {
+  ((volatile size_t *)(uintptr_t)block)[-1] = 7;
+}
+
 /* Faults that any function of a plugin can have. */
 static inline int fault_apply(void) {
   volatile int depth = 0;

@@ -20,6 +20,7 @@ static int bad_update(void *self, const eda_feedback *feedback,
   if (fault_is("dangling assists"))
     moves->assists[0] = (eda_boxes){(const eda_box *)16, 3};
   if (fault_is("moves")) moves->w[1] = INT32_MIN;
+  if (fault_is("heap")) heap_damage(feedback->gates->box);
   WRITE_AFAR(moves->jog, n);
   *done = !fault_is("restless") && !fault_is("kept");
   return fault_apply();
