@@ -176,6 +176,8 @@ static void test_untidy(void) {
   static const char *const findings[] = {
       "exports 'untidy_helper'; only opcflow_plugin may be exported\n",
       "the summary of size is not one line without a full stop\n",
+      "'min' of shift has no effect without OPC_AT_LEAST or OPC_ABOVE\n",
+      "'max' of shift has no effect without OPC_AT_MOST or OPC_BELOW\n",
       "check fails without a message for size\n",
       "returns different bits the second time, for the same input\n",
       "returns different bits on several threads than on one\n",

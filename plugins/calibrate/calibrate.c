@@ -3,6 +3,7 @@
    of a process to measured widths. */
 #include "calibrate.h"
 
+#include <correct/fine.h>
 #include <eda/memory.h>
 #include <eda/random.h>
 #include <gsl/gsl_errno.h>
@@ -176,7 +177,8 @@ static int calibrate_run(void *self, void **outputs, opc_error *error) {
   calibrate *c = self;
   (void)outputs;
   gsl_set_error_handler_off(); /* the default handler aborts */
-  int code = take_masks(c, error);
+  int code = correct_fine_margin(c->host, c->litho, 0, &c->margin, error);
+  if (!code) code = take_masks(c, error);
   if (!code) code = take_gauges(c, error);
   if (!code) code = take_ranges(c, error);
   if (code) return code;

@@ -395,6 +395,7 @@ static void test_refused(void) {
       {"metal9,0,0,x,80,1", "has no layer 'metal9'"},
       {"poly,0,0,z,80,1", "expected 'x' or 'y'"},
       {"poly,0,0,x,80,2", "has no mask of the number"},
+      {"poly,0,0,x,80,-inf", "bad.csv:2:15: not a number: '-inf'"},
       {"poly,99999,0,x,80,1", "outside of the simulated field"},
       {"poly,0,0,x,80,1", "1 gauges are too few"},
   };
@@ -403,7 +404,7 @@ static void test_refused(void) {
     g_autofree char *path =
         g_build_filename(opc_test_folder(), "bad.csv", NULL);
     GString *text = g_string_new("layer,x,y,axis,width,mask\n");
-    for (int k = 0; k < (i == 4 ? 1 : 9); k++)
+    for (int k = 0; k < (i == 5 ? 1 : 9); k++)
       g_string_append_printf(text, "%s\n", faults[i].row);
     g_assert_true(g_file_set_contents(path, text->str, -1, NULL));
     g_string_free(text, TRUE);
@@ -411,8 +412,14 @@ static void test_refused(void) {
                     OPC_INVALID);
     if (!strstr(error.message, faults[i].fault)) g_error("%s", error.message);
   }
-  /* Drawn sizes beside a file would be ignored. */
   opc_error error = {0};
+  opc_module *m =
+      module_of("calibrate", "{ litho: { " LITHO " }, margin: 1 nm }");
+  opc_test_input(m, "mask", mask);
+  g_assert_cmpint(opc_test_run(m, NULL, &error), ==, OPC_INVALID);
+  opc_test_module_free(m);
+  g_assert_cmpstr(error.parameter, ==, "margin");
+  /* Drawn sizes beside a file would be ignored. */
   g_autofree char *text = g_strdup_printf(
       "{ litho: { " LITHO " }, gauges: '%s/bad.csv', drawn: lengths }",
       opc_test_folder());

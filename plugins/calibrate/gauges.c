@@ -39,8 +39,9 @@ static int mask_read(const eda_csv *c, size_t row, size_t n_masks,
   int code = eda_csv_has(c, MASK)
                  ? eda_csv_number(c, row, MASK, 0, &number, error)
                  : OPC_OK;
+  if (code) return code;
   *mask = (int32_t)fmin(number, MASKS) - 1;
-  if (code || (*mask + 1 == number && *mask < (int32_t)n_masks)) return code;
+  if (*mask + 1 == number && *mask < (int32_t)n_masks) return OPC_OK;
   return eda_csv_fail(c, row, MASK, "the step has no mask of the number",
                       error);
 }

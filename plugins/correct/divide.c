@@ -51,6 +51,8 @@ int divide_check_settings(const correct *c, opc_error *error) {
     return conflict("also", "requires 'layout'", error);
   if (!c->verify && c->divide != DIVIDE_CELLS)
     return conflict("verify", "of 'false' requires 'divide: cells'", error);
+  if (c->neighbours && c->divide != DIVIDE_CELLS)
+    return conflict("neighbours", "requires 'divide: cells'", error);
   if (c->radius > c->window)
     return opc_fail(error, OPC_INVALID, "radius",
                     "'radius' is %.4g nm, expected at most 'window', %.4g nm",

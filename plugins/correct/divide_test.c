@@ -382,6 +382,8 @@ static void test_refused(void) {
   expect_refused(&d, NEWTON ", radius: 70 um", "", "expected at most 'window'");
   expect_refused(&d, NEWTON ", window: 100 nm", "", "100 nm");
   expect_refused(&d, NEWTON ", top: NONE", "top", "NONE");
+  expect_refused(&d, NEWTON ", neighbours: outline", "",
+                 "'neighbours' requires 'divide: cells'");
   expect_refused(&d, NEWTON ", also: { metal1: M1 }", "",
                  "layers without transistors");
   expect_refused(&d, ", synthesizer: { use: synthesizer.epe }, fine: off",

@@ -170,6 +170,9 @@ static int variation_run(void *self, void **outputs, opc_error *error) {
   if (!v->gates->count)
     return opc_fail(error, OPC_INVALID, "mask",
                     "the layout has no transistors to measure");
+  if (!v->delays && (v->clock > 0 || v->sdf))
+    return opc_fail(error, OPC_INVALID, v->sdf ? "sdf" : "clock",
+                    "'%s' requires 'delays'", v->sdf ? "sdf" : "clock");
   if (v->delays && v->delays->gates != v->gates)
     return opc_fail(error, OPC_INVALID, "delays",
                     v->delays->gates
@@ -243,8 +246,11 @@ static const opc_parameter parameters[] = {
           "Standard deviation of the overlay within the field"),
     ABOVE_0("field.length", field_length, "nm", "1 mm",
             "Correlation length of the variation within the field"),
-    SIGMA("edges.sigma", rough.sigma, "nm", "1.3 nm",
-          "Standard deviation of a line edge of poly"),
+    OPC_PARAMETER_NAMED("edges.sigma", variation, rough.sigma, .type = OPC_REAL,
+                        .flags = OPC_AT_LEAST | OPC_AT_MOST, .unit = "nm",
+                        .preset = "1.3 nm", .min = 0, .max = 100,
+                        .summary = "Standard deviation of a line edge of "
+                                   "poly"),
     ABOVE_0("edges.length", rough.length, "nm", "25 nm",
             "Correlation length of a line edge"),
     OPC_PARAMETER_NAMED("edges.hurst", variation, rough.hurst, .type = OPC_REAL,

@@ -316,22 +316,26 @@ static void test_line_end(void) {
 }
 
 /* Values of other units than V and V um: all chips would be without leakage, or
-   have an infinite one. */
-static void test_mismatch_refused(void) {
-  static const char *const bad[] = {"mismatch: { vt: 4 V }",
-                                    "mismatch: { vt: 4 mV, swing: 0.1 mV }",
-                                    "mismatch: { vt: 4 mV, ion: 1600 }"};
+   have an infinite one. Without delays, a clock or an SDF file would be
+   ignored. */
+static void test_run_refused(void) {
+  static const char *const bad[][2] = {
+      {"mismatch: { vt: 4 V }", "mismatch.vt"},
+      {"mismatch: { vt: 4 mV, swing: 0.1 mV }", "mismatch.vt"},
+      {"mismatch: { vt: 4 mV, ion: 1600 }", "mismatch.vt"},
+      {"clock: 1 ns", "clock"},
+      {"sdf: a.sdf", "sdf"}};
   opc_module *loop = module_make(
       "correct", "synthesizer: { use: synthesizer.dpb }, max_iterations: 0");
   eda_mask *mask = run_step(loop, "gates", eda_gates_sample());
   for (size_t k = 0; k < G_N_ELEMENTS(bad); k++) {
-    g_autofree char *more = g_strdup_printf("chips: 2000, %s", bad[k]);
+    g_autofree char *more = g_strdup_printf("chips: 2000, %s", bad[k][0]);
     opc_module *m = module_make("variation", more);
     void *none[1];
     opc_error error = {0};
     opc_test_input(m, "mask", mask);
     g_assert_cmpint(opc_test_run(m, none, &error), ==, OPC_INVALID);
-    g_assert_cmpstr(error.parameter, ==, "mismatch.vt");
+    g_assert_cmpstr(error.parameter, ==, bad[k][1]);
     opc_test_module_free(m);
   }
   void *outputs[1] = {mask};
@@ -354,6 +358,7 @@ static void test_refused(void) {
   module_refuse("dose: 30 %", "'dose' is 30 %, expected less than 25 %");
   module_refuse("edges.hurst: 1.1", "edges.hurst");
   module_refuse("chips: 10", "chips");
+  module_refuse("edges.sigma: 1 um", "edges.sigma");
   module_refuse("file: a.jpg", ".png, .svg or .pdf");
 }
 
@@ -363,6 +368,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/variation/delays", test_delays);
   g_test_add_func("/variation/line-end", test_line_end);
   g_test_add_func("/variation/refused", test_refused);
-  g_test_add_func("/variation/mismatch/refused", test_mismatch_refused);
+  g_test_add_func("/variation/run/refused", test_run_refused);
   return g_test_run();
 }

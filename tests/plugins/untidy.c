@@ -8,7 +8,7 @@
 
 typedef struct untidy {
   const opc_host *host;
-  double size;
+  double size, shift;
 } untidy;
 
 static int calls;
@@ -62,6 +62,9 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(untidy, size, .type = OPC_REAL,
                   .flags = OPC_REQUIRED | OPC_AT_LEAST | OPC_AT_MOST,
                   .unit = "nm", .min = 1, .max = 7, .summary = "a length."),
+    OPC_PARAMETER(untidy, shift, .type = OPC_REAL, .unit = "nm",
+                  .preset = "2 nm", .min = 1, .max = 7,
+                  .summary = "a shift with bounds that have no effect"),
 };
 
 /* Leaks memory. */

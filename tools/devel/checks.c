@@ -152,11 +152,26 @@ static void check_stop(inspector *in, const char *what, const char *text) {
                    what);
 }
 
+/* A bound without its flag has no effect. */
+static void check_bounds(inspector *in, const opc_parameter *p) {
+  if (p->min != 0 && !(p->flags & (OPC_AT_LEAST | OPC_ABOVE)))
+    report_finding(&in->hears,
+                   "'min' of %s has no effect without OPC_AT_LEAST or "
+                   "OPC_ABOVE",
+                   p->name);
+  if (p->max != 0 && !(p->flags & (OPC_AT_MOST | OPC_BELOW)))
+    report_finding(&in->hears,
+                   "'max' of %s has no effect without OPC_AT_MOST or OPC_BELOW",
+                   p->name);
+}
+
 static void check_declaration(inspector *in) {
   const opc_plugin *plugin = in->plugin;
   check_stop(in, "the plugin", plugin->summary);
-  for (size_t i = 0; i < plugin->n_parameters; i++)
+  for (size_t i = 0; i < plugin->n_parameters; i++) {
     check_stop(in, plugin->parameters[i].name, plugin->parameters[i].summary);
+    check_bounds(in, &plugin->parameters[i]);
+  }
   for (size_t i = 0; i < plugin->n_metrics; i++)
     check_stop(in, plugin->metrics[i].name, plugin->metrics[i].summary);
 }

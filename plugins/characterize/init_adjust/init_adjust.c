@@ -11,6 +11,7 @@
 #include <stdlib.h>
 
 #include <correct/control.h>
+#include <correct/fine.h>
 #include "row.h"
 
 /* ---- state ---- */
@@ -173,16 +174,22 @@ static int publish_trials(const work *k, opc_error *error) {
 
 static int publish_choice(const work *k, opc_error *error) {
   const opc_host *host = k->by->host;
-  size_t n = k->sizes, border = 0;
+  size_t n = k->sizes, border = 0, open = 0;
   trial_result *all = eda_alloc(n, sizeof *all);
   double sooner = 0, plain = 0;
   for (size_t i = 0; i < n; i++) {
     size_t s = size_choose(k, i);
     all[i] = trial_row(k, i, s);
     border += s == 0 || s + 1 == k->starts;
+    open += !(all[i].pde > -100);
     sooner += all[i].iterations / (double)n;
     plain += all[i].by_one / (double)n;
   }
+  if (open)
+    host->log(host, OPC_LOG_FINDING,
+              "%zu of %zu sizes do not print with any first correction; their "
+              "rows have no meaning",
+              open, n);
   if (border)
     host->log(host, OPC_LOG_WARNING,
               "%zu of %zu sizes have their best result at an end of the range "
@@ -207,8 +214,10 @@ static int characterize_prepare(const characterize *c, opc_error *error) {
 }
 
 static int characterize_run(void *self, void **outputs, opc_error *error) {
-  const characterize *c = self;
+  characterize *c = self;
   (void)outputs;
+  if (correct_fine_margin(c->host, c->litho, 0, &c->margin, error))
+    return error->code;
   work k = {.by = c,
             .row = {.context = c->host->context,
                     .litho = c->litho,

@@ -212,6 +212,14 @@ static void test_tie(void) {
   g_assert_cmpfloat(iterations[1], <=, iterations[0]);
 }
 
+/* Without line ends, no transistor prints, and the row has no meaning. */
+static void test_open(void) {
+  step_characterize(
+      "lengths: [65 nm], widths: [200 nm], from: 0 nm, to: 1 nm, extension: 0 "
+      "nm, max_iterations: 2");
+  g_assert_nonnull(strstr(opc_test_log(), "1 of 1 sizes do not print"));
+}
+
 static void test_refused(void) {
   const struct {
     const char *rest, *want;
@@ -220,6 +228,7 @@ static void test_refused(void) {
       {"widths: [100.5 nm]", "'100.5 nm' is no multiple of the grid of 1 nm"},
       {"lengths: [65 nm, 65 nm]", "'65 nm' appears twice"},
       {"from: 3 nm, to: 2 nm", "'3 nm' is above 'to', 2 nm"},
+      {"margin: 1 nm", "expected at least 300 nm"},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     opc_error error = {0};
@@ -242,6 +251,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/init-adjust/brute-force", test_brute_force);
   g_test_add_func("/init-adjust/falls-with-length", test_falls_with_length);
   g_test_add_func("/init-adjust/tie", test_tie);
+  g_test_add_func("/init-adjust/open", test_open);
   g_test_add_func("/init-adjust/refused", test_refused);
   g_test_add_func("/init-adjust/cancel", test_cancel);
   return g_test_run();

@@ -144,6 +144,10 @@ static int fit_gamma_run(void *self, void **outputs, opc_error *error) {
   if (!code)
     code = reference_read(f->reference_file, &f->curves, f->from, f->to,
                           &f->reference, error);
+  if (!code && !f->reference.count)
+    code = opc_fail(error, OPC_INVALID, "length.from",
+                    "'%s' has no transistor with a mean length of %g to %g nm",
+                    f->reference_file, f->from, f->to);
   if (!code) code = fit_all(f, error);
   if (!code) code = write_table(f, error);
   if (!code) code = summary_table(f, error);

@@ -215,6 +215,8 @@ static void test_refused(void) {
       {"n,100,65,1,y\n", "", "bad.csv:2:12: not a number: 'y'"},
       {"n,100,65,1e-4,\nn,100,65,1e-4,\n",
        ", form: table, edges: [0 nm, 10 nm]", "at only 1 of 2 distances"},
+      {"n,100,65,1e-4,\n", ", length: { from: 70 nm, to: 60 nm }",
+       "bad.csv' has no transistor with a mean length of 70 to 60 nm"},
       {"n,100,65,1e-4,\n", ", edges: [10 nm, 0 nm]", "distances must increase"},
   };
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {

@@ -155,6 +155,11 @@ static void test_refused(void) {
                  "the layout has no layer '81/3'");
   assert_refused("{ name: PART }", NULL, "name", "has a cell 'PART'");
   assert_refused("{ top: NO }", NULL, "top", "no cell 'NO'");
+  opc_error e;
+  g_assert_null(opc_test_module("layout.array", "{ columns: 0 }", &e));
+  g_assert_nonnull(strstr(e.message, "'columns' must be at least 1"));
+  g_assert_null(opc_test_module("layout.array", "{ rows: -1 }", &e));
+  g_assert_nonnull(strstr(e.message, "'rows' must be at least 1"));
   eda_layout_free(end);
 }
 

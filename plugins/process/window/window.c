@@ -5,6 +5,7 @@
    chapter 8). */
 #include "window.h"
 
+#include <correct/fine.h>
 #include <eda/drawing.h>
 #include <eda/memory.h>
 #include <math.h>
@@ -51,6 +52,11 @@ static int window_run(void *self, void **outputs, opc_error *error) {
   if (window_overlays(w) && !w->extractor)
     return opc_fail(error, OPC_INVALID, "extractor",
                     "'overlay_x' and 'overlay_y' require an 'extractor'");
+  if (w->margin == 0)
+    w->host->log(w->host, OPC_LOG_INFO,
+                 "margin 0 nm: the layout is the period of a pattern");
+  else if (correct_fine_margin(w->host, w->litho, 0, &w->margin, error))
+    return error->code;
   w->nominal_dose = nearest_to_0(w->dose);
   w->nominal_focus = nearest_to_0(w->focus);
   if (check_mask_errors(w, error)) return error->code;
@@ -138,10 +144,10 @@ static const opc_parameter parameters[] = {
                   .unit = "%", .preset = "200 %", .min = 0,
                   .summary = "largest excess of Ioff over drawn of a "
                              "transistor inside the window"),
-    OPC_PARAMETER(
-        window, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
-        .follows = "3.886 lambda/NA", .min = 0,
-        .summary = "clear field around the layout; the image is periodic"),
+    OPC_PARAMETER(window, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+                  .unit = "nm", .follows = "3.886 lambda/NA", .min = 0,
+                  .summary = "clear field around the layout; the image is "
+                             "periodic, 0: the layout is a period"),
     OPC_PARAMETER(window, cut_lines, .type = OPC_BOOL, .preset = "false",
                   .summary = "write a table of the lengths of every gate"),
     OPC_PARAMETER(window, file, .type = OPC_OUTPUT,

@@ -188,6 +188,8 @@ static void test_refused(void) {
   g_string_free(many, TRUE);
   assert_refused("{ " LITHO ", " RESIST ", file: a.jpg }", &l,
                  ".png, .svg or .pdf");
+  assert_refused("{ " LITHO ", " RESIST ", defocus: [0 nm], margin: 1 nm }", &l,
+                 "expected at least 300 nm");
   l.gates.count = 0;
   assert_refused("{ " LITHO ", " RESIST ", defocus: [0 nm] }", &l,
                  "no transistors");

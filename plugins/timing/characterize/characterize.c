@@ -261,8 +261,8 @@ static const opc_parameter parameters[] = {
     OPC_PARAMETER(study, liberty, .type = OPC_OUTPUT, .preset = "cells.lib",
                   .summary = "Liberty file of the drawn cells"),
     OPC_PARAMETER_NAMED("line_edges.sigma", study, rough.sigma,
-                        .type = OPC_REAL, .flags = OPC_AT_LEAST, .unit = "nm",
-                        .preset = "0 nm", .min = 0,
+                        .type = OPC_REAL, .flags = OPC_AT_LEAST | OPC_AT_MOST,
+                        .unit = "nm", .preset = "0 nm", .min = 0, .max = 100,
                         .summary = "standard deviation of a line edge of poly; "
                                    "above 0, the Liberty file has standard "
                                    "deviations (LVF)"),
