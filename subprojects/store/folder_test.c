@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Run folders on file systems with missing features, and runs that are killed
    at any moment. Calls that file systems may reject are replaced by failing
-   functions. */
+   functions. Histories and JSON texts of runs. */
 #include <store/folder.h>
 
 #include <errno.h>
@@ -16,6 +16,8 @@
 
 #include <store/contents.h>
 #include <store/files.h>
+#include <store/histories.h>
+#include <store/json.h>
 
 /* ---- the system ---- */
 
@@ -352,6 +354,65 @@ static void test_write(void) {
   opc_remove_tree("w");
 }
 
+/* ---- histories, JSON ---- */
+
+static void test_histories(void) {
+  opc_histories a, b;
+  opc_histories_init(&a);
+  opc_histories_init(&b);
+  opc_history h = {.path = (char *)"x", .reused = TRUE, .key = (char *)"k"};
+  for (int i = 0; i < 3; i++, h.point++) opc_histories_add(&a, &h);
+  h = (opc_history){.path = (char *)"y", .reason = (char *)"new"};
+  for (int i = 0; i < 999; i++) opc_histories_add(&b, &h);
+  opc_histories_rerun(&a, "x", "lost", 2);
+  g_assert_cmpuint(a.reused, ==, 2);
+  opc_histories_take(&b, &a);
+  g_assert_cmpuint(b.done, ==, 1002);
+  g_assert_cmpuint(b.reused, ==, 2);
+  g_assert_cmpuint(b.list->len, ==, 1000);
+  const opc_history *first = b.list->pdata[0], *next = b.list->pdata[1],
+                    *changed = a.list->pdata[2];
+  g_assert_cmpstr(first->path, ==, "x");
+  g_assert_cmpstr(first->key, ==, "k");
+  g_assert_cmpstr(next->path, ==, "y");
+  g_assert_cmpstr(next->reason, ==, "new");
+  g_assert_cmpuint(changed->point, ==, 2);
+  g_assert_false(changed->reused);
+  g_assert_cmpstr(changed->reason, ==, "lost");
+  g_assert_cmpfloat(changed->seconds, ==, 2);
+  opc_histories_clear(&a);
+  opc_histories_clear(&b);
+}
+
+/* A parser reads the same numbers and texts from the JSON text. */
+static void test_json(void) {
+  static const double numbers[] = {0.1, 1e-7, -2.5e-10, 3, 1e300, 1 / 3.0, 0};
+  static const char text[] = "1.50 \"2.50\" \\ 3.10\x1b\n";
+  JsonArray *list = json_array_new();
+  json_array_add_string_element(list, text);
+  json_array_add_int_element(list, 1234567);
+  for (size_t i = 0; i < G_N_ELEMENTS(numbers); i++)
+    json_array_add_double_element(list, numbers[i]);
+  JsonNode *node = json_node_init_array(json_node_alloc(), list);
+  json_array_unref(list);
+  g_autofree char *out = opc_json_text(node);
+  g_autoptr(GError) error = NULL;
+  g_autoptr(JsonNode) read = json_from_string(out, &error);
+  g_assert_no_error(error);
+  JsonArray *back = json_node_get_array(read);
+  g_assert_cmpstr(json_array_get_string_element(back, 0), ==, text);
+  g_assert_cmpint(json_array_get_int_element(back, 1), ==, 1234567);
+  for (guint i = 0; i < G_N_ELEMENTS(numbers); i++) {
+    JsonNode *one = json_array_get_element(back, i + 2);
+    g_assert_true(json_node_get_value_type(one) == G_TYPE_DOUBLE);
+    g_assert_true(json_node_get_double(one) == numbers[i]);
+  }
+  g_assert_nonnull(strstr(out, "\n  0.1,\n"));
+  g_assert_nonnull(strstr(out, "\n  3.0,\n"));
+  g_assert_nonnull(strstr(out, "\n  1e-07,\n"));
+  g_assert_null(strchr(out, 0x1b));
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_autofree char *folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
@@ -365,6 +426,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/folder/no-locks", test_no_locks);
   g_test_add_func("/folder/contents", test_contents);
   g_test_add_func("/folder/write", test_write);
+  g_test_add_func("/histories", test_histories);
+  g_test_add_func("/json", test_json);
   int failed = g_test_run();
   g_assert_cmpint(g_chdir("/"), ==, 0);
   opc_remove_tree(folder);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The store: values and files are returned unchanged, damage of any byte is
    detected, recently used values stay, claims exclude other processes, and
-   checksums of files are correct. */
+   checksums of files are correct. Facts. */
 #include <store/store.h>
 
 #include <fcntl.h>
@@ -15,6 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <store/facts.h>
 #include <store/files.h>
 #include <store/pack.h>
 
@@ -454,6 +455,83 @@ static void test_builds(void) {
   opc_store_close(store);
 }
 
+/* ---- facts ---- */
+
+/* Return a list of facts "AVALUE", where A is the path (g_variant_unref). */
+static GVariant *facts_of(const char *text) {
+  g_auto(GStrv) words = g_strsplit(text, " ", -1);
+  GVariantBuilder facts;
+  g_variant_builder_init(&facts, OPC_FACTS_TYPE);
+  for (char **w = words; *w; w++) {
+    const char path[] = {**w, 0};
+    opc_facts_add(&facts, 'v', path, *w + 1, "");
+  }
+  return g_variant_ref_sink(g_variant_builder_end(&facts));
+}
+
+static char *describe(const void *data, char about, const char *path,
+                      const char *before, const char *now) {
+  g_assert_cmpint(about, ==, 'v');
+  return g_strdup_printf("%s%s %s>%s", (const char *)data, path,
+                         before ? before : "", now ? now : "");
+}
+
+static void expect_reason(opc_store *store, const char *facts,
+                          const char *expected) {
+  g_autoptr(GVariant) now = facts_of(facts);
+  g_autofree char *found = opc_facts_reason(store, "step", now, describe, "s.");
+  g_assert_cmpstr(found, ==, expected);
+}
+
+static void facts_keep(opc_store *store, const char *text) {
+  g_autoptr(GVariant) facts = facts_of(text);
+  opc_facts_keep(store, "step", facts);
+}
+
+/* Reasons are the differences from the most similar of the last 32 lists. */
+static void test_facts(void) {
+  opc_store *store = open_store();
+  expect_reason(store, "a1", "not seen before");
+  facts_keep(store, "a1 b1 c1 d1");
+  expect_reason(store, "a1 b1 c1 d1", "the stored result was removed");
+  expect_reason(store, "a1 b2 c1 e1", "s.b 1>2; s.e >1; s.d 1>");
+  expect_reason(store, "a5 b5 c5 d5 e5",
+                "s.a 1>5; s.b 1>5; s.c 1>5; and 2 more");
+  facts_keep(store, "a5 b5 c5 d5");
+  expect_reason(store, "a5 b5 c5 d5 e5", "s.e >5");
+  expect_reason(store, "a1 b1 c5 d1", "s.c 1>5");
+  expect_reason(store, "a1 b1 c5 d5", "s.a 5>1; s.b 5>1"); /* the later one */
+  for (int i = 2; i < 33; i++) {
+    g_autofree char *text = g_strdup_printf("x%d y%d z%d", i, i, i);
+    facts_keep(store, text);
+    facts_keep(store, text); /* equal lists count once */
+  }
+  expect_reason(store, "a5 b5 c5 d5", "the stored result was removed");
+  expect_reason(store, "x2 y2 z2 a1", "s.a >1");
+  facts_keep(store, "x1 y1 z1");
+  expect_reason(store, "x5 y5 z5 w1", "s.w >1");
+  g_autoptr(GVariant) gone = facts_of("a5 b5 c5 d5");
+  g_autofree char *far = opc_facts_reason(store, "step", gone, describe, "s.");
+  g_assert_cmpstr(far, !=, "the stored result was removed");
+  opc_store_close(store);
+}
+
+/* Lists with different bytes have different checksums, also if the bytes are no
+   UTF-8 text. */
+static void test_fact_sums(void) {
+  static const char *const lists[] = {"a1", "a1 b1", "b1",
+                                      "a2", "a\xff", "a\xfe"};
+  g_autoptr(GHashTable) seen =
+      g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
+  for (size_t i = 0; i < G_N_ELEMENTS(lists); i++) {
+    g_autoptr(GVariant) one = facts_of(lists[i]), same = facts_of(lists[i]);
+    g_autofree char *again = opc_facts_sum(same);
+    char *sum = opc_facts_sum(one);
+    g_assert_cmpstr(sum, ==, again);
+    g_assert_true(g_hash_table_add(seen, sum));
+  }
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   folder = g_dir_make_tmp("store-XXXXXX", NULL);
@@ -472,6 +550,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/store/mapped", test_mapped);
   g_test_add_func("/store/claims", test_claims);
   g_test_add_func("/store/builds", test_builds);
+  g_test_add_func("/store/facts", test_facts);
+  g_test_add_func("/store/fact-sums", test_fact_sums);
   int code = g_test_run();
   opc_remove_tree(folder);
   g_free(folder);

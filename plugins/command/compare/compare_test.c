@@ -140,6 +140,13 @@ static void test_transistors(void) {
       opc_test_text("verdicts", "verdict", 0), ==,
       "b is better than a in Ion by 0.5 points (95 %: 0.5 to 0.75); "
       "equal in Ioff, seconds");
+  opc_error error;
+  g_assert_cmpint(folders_compare("{ fail_on: 'worse, worse:transistors.ion' }",
+                                  "b", "a", &error),
+                  ==, OPC_LIMIT);
+  g_assert_cmpstr(error.message, ==, "worse: a: transistors.ion");
+  compare_good("{ fail_on: 'worse:transistors.ion' }", "a", "b");
+  compare_good("{ fail_on: 'worse:transistors.ioff' }", "b", "a");
 
   g_autofree char *four = g_strconcat(gates_head, few, NULL);
   g_autofree char *drawn = g_strndup(before, strlen(before) - 18);
