@@ -452,6 +452,18 @@ static void test_forecast(void) {
   g_assert_cmpfloat(memory_of(&d, "whole"), >, 1e10);
   g_assert_true(memory_of(&d, "auto") == memory_of(&d, "environments"));
   eda_layout_free(d.layout);
+  /* The sheet of a row or column has the size of the window. */
+  for (int k = 0; k < 2; k++) {
+    drawing line = drawing_new();
+    for (int i = 0; i < 20; i++)
+      place_sample(&line, k ? 0 : 4000 * i, k ? 4000 * i : 0, 0, 0, 1);
+    double before = memory_of(&line, "environments, window: 4 um");
+    place_sample(&line, k ? 0 : 160000, k ? 160000 : 0, 0, 0, 1);
+    double after = memory_of(&line, "environments, window: 4 um");
+    g_assert_cmpfloat(fabs(after / before - 1), <, 0.01);
+    g_assert_cmpfloat(memory_of(&line, "whole"), >, 2 * after);
+    eda_layout_free(line.layout);
+  }
 }
 
 int main(int argc, char **argv) {
