@@ -158,8 +158,8 @@ static void test_five_crossings(void) {
   g_assert_cmpfloat(fabs(opc_test_metric("snm_right") - square), <, 0.1);
 }
 
-/* A mirrored cell has mirrored margins. A cell that is not bistable has margin
-   0. */
+/* Other devices do not change a cell's margins. A mirrored cell has mirrored
+   margins. A cell that is not bistable has margin 0. */
 static void test_cells(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
@@ -171,6 +171,11 @@ static void test_cells(void) {
   g_assert_cmpfloat(opc_test_metric("cells"), ==, 1);
   g_assert_cmpfloat(opc_test_metric("snm_left_worst"), >, 0.1);
   g_assert_cmpfloat(opc_test_metric("snm_left_worst_before"), <, 1e-6);
+  g_autoptr(made) behind = circuit_make(
+      MEMORY_PORTS,
+      "MP0 X WL VDD VDD p 65 400,MN0 X WL VSS VSS n 65 200," MEMORY);
+  circuit_run(behind, 0, card, "access: hold");
+  assert_near("left", opc_test_metric("snm_left"), left, 1e-6);
   g_autoptr(made) turned =
       circuit_make(MEMORY_PORTS,
                    "MA2 QB WL BLB VSS n 65 140,MA1 Q WL BL VSS n 65 140,"
