@@ -4,6 +4,7 @@
 #include <eda/print.h>
 #include <glib.h>
 #include <math.h>
+#include <string.h>
 
 /* ---- measurements ---- */
 
@@ -225,6 +226,166 @@ static void test_blocks(void) {
   eda_performance_clear(&out);
 }
 
+/* An extractor whose device model begins above the length of the outer
+   slices. */
+static double modelled_from(const void *self, int type, const char *flavour) {
+  (void)self;
+  g_assert_cmpint(type, ==, EDA_NMOS);
+  g_assert_null(flavour);
+  return 66.5;
+}
+
+/* Slices of two gates of the same print, of which the second represents three
+   transistors. Lengths are known in closed form. */
+static void test_short_slices(void) {
+  const double a = -wave(30), taper = 0.005, half = 145;
+  static const eda_extractor functions = {
+      .slicing = slicing, .extract = widths_extract, .modelled = modelled_from};
+  const opc_module module = {&functions, NULL, "extractor.widths"};
+  const eda_box box = {-30, -150, 30, 150};
+  eda_box boxes[] = {box, box};
+  uint8_t type[2] = {EDA_NMOS, EDA_NMOS}, axis[2] = {EDA_X, EDA_X};
+  double length[] = {60, 60}, width[] = {300, 300};
+  double beside[] = {400, 400, 400, 400};
+  eda_gates gates = {.grid = 1,
+                     .layers = 2,
+                     .count = 2,
+                     .box = boxes,
+                     .type = type,
+                     .axis = axis,
+                     .length = length,
+                     .width = width,
+                     .space = beside,
+                     .extension = beside};
+  eda_field print[] = {level(a, 1, taper), level(-wave(half), 0, 1)};
+  const uint32_t count[] = {1, 3};
+  eda_measurement out;
+  opc_error error;
+  eda_measurement_init(&out, 2);
+  eda_short_slices sum = {0};
+  g_assert_cmpint(eda_measure_short(NULL, &gates, print, &module, count, &out,
+                                    &sum, &error),
+                  ==, OPC_OK);
+  double shortest = INFINITY, below = 0;
+  for (int i = 0; i < SLICES; i++) {
+    double y = half * (2 * place[i] - 1);
+    double l = period / M_PI * acos(-a - taper * wave(y));
+    shortest = fmin(shortest, l);
+    below += l < 66.5;
+  }
+  g_assert_true(below > 0 && below < SLICES);
+  g_assert_cmpfloat(sum.slices, ==, 4 * SLICES);
+  g_assert_cmpfloat(sum.below, ==, 4 * below);
+  g_assert_cmpfloat(sum.gates, ==, 4);
+  g_assert_cmpfloat(fabs(sum.shortest - shortest), <, 1e-3);
+  g_assert_cmpfloat(sum.modelled, ==, 66.5);
+  char text[400];
+  eda_short_slices_text(&sum, text, sizeof text);
+  g_assert_nonnull(strstr(text, "in 4 transistors, are shorter"));
+  sum.gates = 0;
+  eda_short_slices_text(&sum, text, sizeof text);
+  g_assert_cmpstr(text, ==, "");
+  eda_measurement_clear(&out);
+  for (int k = 0; k < 2; k++) eda_field_clear(&print[k]);
+}
+
+/* Printed edges at -30 and 30 nm, and an image 2 + cos(k (x - 20)). */
+static void test_section(void) {
+  for (int across = 0; across < 2; across++)
+    for (int layer = 0; layer < 2; layer++) {
+      int along_x = across == layer; /* the direction of the section */
+      eda_box box = along_x ? (eda_box){-30, -150, 40, 150}
+                            : (eda_box){-150, -30, 150, 40};
+      uint8_t axis = across ? EDA_Y : EDA_X;
+      double size[2] = {70, 500}, beside[2] = {200, 200};
+      eda_gates gates = {.grid = 1,
+                         .layers = 2,
+                         .count = 1,
+                         .box = &box,
+                         .axis = &axis,
+                         .length = &size[layer],
+                         .width = &size[!layer],
+                         .space = beside};
+      eda_field print = level(-wave(30), along_x, !along_x);
+      eda_field image = level(2, along_x, !along_x);
+      image.frame.x0 = image.frame.y0 = 20;
+      eda_section s = eda_gate_section(&gates, 0, layer, &print, &image);
+      double k = 2 * M_PI / period;
+      g_assert_cmpfloat(fabs(s.length - 60), <, 1e-3);
+      g_assert_cmpfloat(fabs(s.low - k * sin(k * 50) / (2 + cos(k * 50))), <,
+                        1e-6);
+      g_assert_cmpfloat(fabs(s.high - k * sin(k * 10) / (2 + cos(k * 10))), <,
+                        1e-6);
+      /* The search for the edge of poly ends at half the space: 5 + 35 + 100 is
+         the place of the upper end, -5 - 35 - 95 that of the lower. */
+      for (int less = 0; less < 2; less++) {
+        eda_field wide = level(-wave(129 + 2 * less), along_x, !along_x);
+        s = eda_gate_section(&gates, 0, layer, &wide, &image);
+        g_assert_true(isnan(s.length) == (less && layer == EDA_POLY));
+        eda_field_clear(&wide);
+      }
+      eda_field none = level(-2, along_x, !along_x);
+      s = eda_gate_section(&gates, 0, layer, &none, &image);
+      g_assert_true(isnan(s.length) && isnan(s.low) && isnan(s.high));
+      eda_field_clear(&none);
+      eda_field_clear(&print);
+      eda_field_clear(&image);
+    }
+}
+
+/* Statistics of gates with counts are those of the list with each transistor
+   once. */
+static void test_spread(void) {
+  enum { GATES = 6 };
+  static uint8_t type[GATES] = {EDA_NMOS, EDA_NMOS, EDA_PMOS,
+                                EDA_PMOS, EDA_NMOS, EDA_PMOS};
+  static const uint32_t count[GATES] = {1, 3, 2, 1, 4, 0};
+  static const uint32_t flags[GATES] = {0, EDA_PRINT_OUTSIDE, 0,
+                                        0, EDA_PRINT_OPEN,    0};
+  static const double off[GATES] = {1, -2, 3, -7, 50, 60};
+  const eda_gates gates = {.count = GATES, .type = type};
+  eda_performance drawn, printed;
+  eda_performance_init(&drawn, GATES);
+  eda_performance_init(&printed, GATES);
+  double n[3] = {0}, mean[3] = {0}, square[3] = {0}, leak[3] = {0},
+         all[3] = {0};
+  for (int i = 0; i < GATES; i++) {
+    drawn.ion[i] = 1e-4 * (i + 1);
+    printed.ion[i] = drawn.ion[i] * (1 + off[i] / 100);
+    drawn.ioff[i] = 1e-9 * (i + 1);
+    printed.ioff[i] = 1e-9 * (i + 2);
+    for (uint32_t k = 0; i != 4 && k < count[i]; k++)
+      for (int t = type[i]; t <= 2; t += 2 - type[i]) {
+        n[t]++, mean[t] += off[i];
+        leak[t] += i + 2, all[t] += i + 1;
+      }
+  }
+  for (int t = 0; t < 3; t++) mean[t] /= n[t];
+  for (int i = 0; i < 4; i++)
+    for (int t = type[i]; t <= 2; t += 2 - type[i])
+      square[t] += count[i] * pow(off[i] - mean[t], 2);
+  eda_spread_sums sums = {0};
+  eda_spread_add(&sums, &gates, count, &drawn, &printed, flags);
+  eda_spread s = eda_spread_end(&sums);
+  for (int t = 0; t < 3; t++) {
+    g_assert_cmpfloat(fabs(s.ion_mean[t] - mean[t]), <, 1e-9);
+    g_assert_cmpfloat(fabs(s.ion_sd[t] - sqrt(square[t] / n[t])), <, 1e-9);
+    g_assert_cmpfloat(fabs(s.leakage[t] - leak[t] / all[t]), <, 1e-9);
+  }
+  g_assert_cmpfloat(fabs(s.ion_worst + 7), <, 1e-9);
+  g_assert_cmpuint(s.failed, ==, 4);
+  g_assert_cmpuint(s.outside, ==, 3);
+  static const uint32_t open[GATES] = {EDA_PRINT_OPEN, EDA_PRINT_OPEN,
+                                       EDA_PRINT_OPEN, EDA_PRINT_OPEN,
+                                       EDA_PRINT_OPEN, EDA_PRINT_OPEN};
+  s = eda_spread_of(&gates, &drawn, &printed, open);
+  g_assert_true(isnan(s.ion_worst) && isnan(s.ion_mean[2]) &&
+                isnan(s.ion_sd[0]) && isnan(s.leakage[1]));
+  g_assert_cmpuint(s.failed, ==, GATES);
+  eda_performance_clear(&drawn);
+  eda_performance_clear(&printed);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/measure/slices", test_slices);
@@ -232,5 +393,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/measure/figures", test_figures);
   g_test_add_func("/measure/trouble", test_trouble);
   g_test_add_func("/measure/blocks", test_blocks);
+  g_test_add_func("/measure/short-slices", test_short_slices);
+  g_test_add_func("/measure/section", test_section);
+  g_test_add_func("/measure/spread", test_spread);
   return g_test_run();
 }
