@@ -106,6 +106,18 @@ static void leave_by_thread(void) {
   pthread_join(thread, NULL);
 }
 
+static void *end_thread(void *unused) {
+  guard_join("bad");
+  pthread_exit(unused);
+}
+
+/* A plugin ends a thread of the program during a task. */
+static void leave_task(void) {
+  pthread_t thread;
+  g_assert_cmpint(pthread_create(&thread, NULL, end_thread, NULL), ==, 0);
+  pthread_join(thread, NULL);
+}
+
 /* A stack overflow cannot be reported without the signal stack. */
 static void drop_stack(void) {
   const stack_t none = {.ss_flags = SS_DISABLE};
@@ -244,6 +256,7 @@ static const struct {
     {plugin_leave, 4, "here: plugin 'bad' ended the process\n"},
     {leave_at_once, 4, "here: plugin 'bad' ended the process\n"},
     {leave_by_thread, 4, "here: plugin 'bad' ended the process\n"},
+    {leave_task, 4, "here: plugin 'bad' ended the thread\n"},
     {plugin_move, 4, "here: plugin 'bad' changed the working folder\n"},
     {close_input, 4,
      "here: plugin 'bad' closed or redirected standard input\n"},

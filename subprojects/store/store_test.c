@@ -471,7 +471,7 @@ static GVariant *facts_of(const char *text) {
 
 static char *describe(const void *data, char about, const char *path,
                       const char *before, const char *now) {
-  g_assert_cmpint(about, ==, 'v');
+  g_assert_true(about == 'v');
   return g_strdup_printf("%s%s %s>%s", (const char *)data, path,
                          before ? before : "", now ? now : "");
 }

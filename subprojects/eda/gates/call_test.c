@@ -21,6 +21,7 @@ static int at_fault,
     before_it;           /* array that a plugin leaves; 1: at its start */
 static const char *text; /* verdict or name of a rule */
 static size_t violations = 5;
+static int fails; /* 1: the synthesizer reports an error */
 
 /* Write one byte beside array `i` if this array is at fault. */
 static void leave(int i, void *array, size_t bytes) {
@@ -30,7 +31,7 @@ static void leave(int i, void *array, size_t bytes) {
 static int move_all(void *self, const eda_feedback *feedback, eda_moves *m,
                     int *done, opc_error *error) {
   static const eda_box box = {0, 0, 3, 4};
-  (void)self, (void)error;
+  (void)self;
   int32_t *of[] = {m->l, m->w, m->jog, m->aside};
   g_assert_cmpuint(feedback->iteration, ==, 7);
   for (int k = 0; k < 4; k++) {
@@ -44,7 +45,7 @@ static int move_all(void *self, const eda_feedback *feedback, eda_moves *m,
   m->assists[1] = (eda_boxes){&box, 1};
   leave(6, m->assists, LAYERS * sizeof *m->assists);
   *done = 1;
-  return OPC_OK;
+  return fails ? opc_fail(error, OPC_IO, NULL, "lost") : OPC_OK;
 }
 
 static const char *verdict_of(const void *self, size_t gate) {
@@ -170,7 +171,12 @@ static void try_update(int good) {
   g_assert_cmpuint(g->count, ==, GATES);
   int code = eda_call_update(NULL, &synthesizer, &feedback, fragments, &m,
                              &done, &error);
-  expect_left(code, good ? "" : names[at_fault], &error);
+  if (fails) {
+    g_assert_cmpint(code, ==, OPC_IO);
+    g_assert_cmpstr(error.message, ==, "lost");
+  } else {
+    expect_left(code, good ? "" : names[at_fault], &error);
+  }
   for (int k = 0; k < 4; k++) {
     g_assert_cmpint(of[k][0], ==, 100 * (k + 1) + (good ? 10 * k : 0));
     g_assert_cmpint(of[k][1], ==, good ? 10 * k + 1 : 0);
@@ -180,7 +186,11 @@ static void try_update(int good) {
   g_assert_cmpuint(assists[1].count, ==, good);
 }
 
-static void test_update(void) { each_fault(7, try_update); }
+static void test_update(void) {
+  each_fault(7, try_update);
+  fails = 1;
+  for (at_fault = 0; at_fault < 7; at_fault++) try_update(0);
+}
 
 static void try_rule(int good) {
   static const char *const names[] = {"vetoes", "line ends", "added shapes",
