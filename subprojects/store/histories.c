@@ -15,8 +15,8 @@ static void history_free(gpointer item) {
 }
 
 void opc_histories_init(opc_histories *histories) {
-  *histories = (opc_histories){
-      .list = g_ptr_array_new_with_free_func(history_free)};
+  *histories =
+      (opc_histories){.list = g_ptr_array_new_with_free_func(history_free)};
 }
 
 void opc_histories_clear(opc_histories *histories) {
