@@ -3,6 +3,7 @@
    and the places and texts of errors. */
 #include "core/binding/binding.h"
 
+#include <guard/guard.h>
 #include <opcflow/loader.h>
 #include <opcflow/pieces.h>
 #include <string.h>
@@ -60,12 +61,15 @@ static void test_create(void) {
    step. */
 static void test_check(void) {
   g_autoptr(opc_problems) problems = opc_problems_new();
-  g_autoptr(opc_flow) flow = load("13");
+  opc_flow *flow = load("13");
   g_assert_false(
       opc_binding_create(binding_of(flow, "a"), NULL, NULL, problems));
   g_autofree char *found = opc_problems_text(problems);
   g_assert_cmpstr(found, ==,
                   "flow.yaml:4:12: step 'a' (test.numbers): 13 is not welcome");
+  g_assert_null(guard_inside()); /* the call of the plugin has ended */
+  opc_flow_free(flow);
+  g_assert_null(guard_inside());
 }
 
 static void test_labels(void) {

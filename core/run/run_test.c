@@ -260,8 +260,9 @@ static void test_stopped_sweep(void) {
 
 /* ---- the flow of a step ---- */
 
-/* Two cases and two methods: the table has the sums of each run. The files of
-   the third method, which fails, are removed. The third case has none. */
+/* Two cases and two methods: the table has the sums of each run, and its
+   manifest the checksum of the flow. Three of the sums are too large. The files
+   of the third method, which fails, are removed. The third case has none. */
 static void test_inner_flow(void) {
   trial t = {.options = {.output = "outer"}};
   put_text("inner.yaml",
@@ -269,6 +270,7 @@ static void test_inner_flow(void) {
            "  a: { use: test.numbers, size: 1 nm }\n"
            "  b: { use: test.kept, number: 3, add: ${a}, file: b.txt }\n"
            "  c: { use: test.numbers, size: 1 nm, add: ${b} }\n"
+           "require: { b.sum: 7 }\n"
            "variants:\n  more: { b.number: 9 }\n"
            "  bad: { b.number: 12, c.behave: fail }\n");
   trial_run_good(&t,
@@ -278,6 +280,15 @@ static void test_inner_flow(void) {
                  "    cases: [{ a.size: [1 nm, 5 nm] }, { a.behave: fail }]\n",
                  NULL);
   g_autofree char *csv = get_text("outer", "experiment.csv");
+  g_autofree char *flow = get_text(".", "inner.yaml");
+  g_autofree char *checksum =
+      g_compute_checksum_for_string(G_CHECKSUM_SHA256, flow, -1);
+  g_assert_cmpuint(t.run->out.verdicts->len, ==, 3);
+  for (guint i = 0; i < t.run->out.verdicts->len; i++) {
+    const opc_verdict *v = t.run->out.verdicts->pdata[i];
+    g_assert_cmpuint(v->point, ==, 0);
+    g_assert_true(g_str_has_suffix(v->path, i == 1 ? "s: b.sum" : "e: b.sum"));
+  }
   g_auto(GStrv) lines = g_strsplit(csv, "\r\n", -1);
   g_assert_cmpuint(g_strv_length(lines), ==, 11); /* a head, and the last \n */
   g_auto(GStrv) head = g_strsplit(lines[0], ",", -1);
@@ -289,6 +300,8 @@ static void test_inner_flow(void) {
     g_auto(GStrv) cells = g_strsplit(lines[3 * (i / 2) + i % 2 + 1], ",", -1);
     g_autofree char *path = g_build_filename("outer", cells[folder], NULL);
     g_autofree char *failed = g_build_filename(path, "../bad", NULL);
+    g_autofree char *manifest = get_text(path, "manifest.json");
+    g_assert_nonnull(strstr(manifest, checksum));
     g_autofree char *text = get_text(path, "b.txt");
     int sum = 1 + (i / 2 ? 5 : 1) + 3 + (i % 2 ? 3 : 1);
     g_assert_cmpfloat(g_ascii_strtod(text, NULL), ==, sum);
