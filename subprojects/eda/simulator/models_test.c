@@ -23,6 +23,7 @@ static const char text[] =
     BIN("3", "1E-7 lmax = 2E-7", "2e-6 wmax=9e-6", "vt+0.1")
     ".ends nfet\n"
     ".subckt other a b\nr1 a b 1k\n.ends\n"
+    ".subckt outer d g s b\nX1 d g s b NFET\n.ends\n"
     ".model alone pmos level=54 version=4.5 toxe=2n\n"
     ".endl\n.lib ss\n.param vt=0.6\n.endl ss\n";
 
@@ -82,6 +83,14 @@ static void test_cut(void) {
   cut_has(l, &(eda_sizes){{80, 90}, {1500, 1500}}, 1, "1", "lmin=7.9e-08");
   cut_has(l, &(eda_sizes){{150, 160}, {500, 500}}, 1, "1", "wmin=4.99e-07");
   cut_has(l, &(eda_sizes){{900, 1000}, {1500, 1500}}, 1, "2", "lmax=1.001e-06");
+  /* A subcircuit needs the subcircuits in it. */
+  char *cut =
+      eda_models_cut(l, "outer", &(eda_sizes){{120, 150}, {1500, 1500}}, 0);
+  g_assert_nonnull(strstr(cut, ".subckt outer"));
+  g_assert_nonnull(strstr(cut, ".subckt nfet"));
+  g_assert_nonnull(strstr(cut, "core.1"));
+  g_assert_null(strstr(cut, ".subckt other"));
+  free(cut);
   eda_models_free(l);
 }
 
