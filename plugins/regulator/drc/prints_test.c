@@ -263,6 +263,35 @@ static void test_neck(void) {
   chip_end(&c);
 }
 
+/* A neck that does not print wider: the repair shapes end at max_growth, or
+   at a neighbour 46 nm away on one or both sides. */
+static void test_stuck_neck(void) {
+  for (int k = 0; k < 4; k++) {
+    g_autoptr(opc_module) m =
+        drc_make("{ min_width: 40 nm, min_space: 40 nm, max_growth: 15 nm }");
+    chip c = {0};
+    eda_violation v[4];
+    boxes *both[] = {&c.drawn[EDA_POLY], &c.printed[EDA_POLY]};
+    for (int i = 0; i < 2; i++) {
+      if (k & 1) add_box(both[i], -106, 0, -46, 1000);
+      if (k & 2) add_box(both[i], 106, 0, 166, 1000);
+    }
+    add_box(&c.drawn[EDA_POLY], 0, 0, 60, 1000);
+    add_box(&c.printed[EDA_POLY], 0, 0, 60, 450);
+    add_box(&c.printed[EDA_POLY], 18, 400, 42, 600);
+    add_box(&c.printed[EDA_POLY], 0, 550, 60, 1000);
+    chip_show(&c);
+    for (int i = 0; i < 12; i++) chip_judge(m, &c);
+    size_t n = drc_violations(m, &c.p, v, 4);
+    g_assert_true(n >= 1 && n <= 2);
+    for (size_t i = 0; i < n; i++)
+      g_assert_cmpstr(v[i].rule, ==,
+                      k ? "pinching; too near a neighbour"
+                        : "pinching; max_growth reached");
+    chip_end(&c);
+  }
+}
+
 /* Two lines that bridge over half of their length. */
 static void test_gap(void) {
   g_autoptr(opc_module) m = drc_make("{}");
@@ -337,6 +366,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/regulator/near_neighbour", test_near_neighbour);
   g_test_add_func("/regulator/contact", test_contact);
   g_test_add_func("/regulator/neck", test_neck);
+  g_test_add_func("/regulator/stuck-neck", test_stuck_neck);
   g_test_add_func("/regulator/gap", test_gap);
   g_test_add_func("/regulator/metal", test_metal);
   g_test_add_func("/regulator/no_print", test_no_print);
