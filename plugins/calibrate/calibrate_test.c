@@ -242,6 +242,7 @@ static void run_trials(int trials, const char *settings, int biased,
 
 /* Test that hidden thresholds, diffusion and focus are found. */
 static void test_recovered(void) {
+  if (opc_test_sanitized_skip()) return;
   run_trials(2, "defocus: [0 nm, 200 nm], starts: 2, folds: 4", 0,
              (const uint8_t[HIDDEN]){1, 1, 1, 1});
 }

@@ -204,6 +204,7 @@ static size_t row_of(const char *table, const char *name, const char *text) {
    derivatives of the path, and is compared with the table of the path. */
 static void test_delays(void) {
   enum { TABLES = 30, MOST_GATES = 64 };
+  if (opc_test_sanitized_skip()) return;
   opc_module *loop =
       module_make("correct",
                   "synthesizer: { use: synthesizer.dpb }, max_iterations: 6, "
