@@ -316,6 +316,85 @@ static void test_ties(void) {
   eda_layout_free(d.layout);
 }
 
+/* ---- line ends ---- */
+
+/* Return n transistors, each in a cell; of every third one, poly extends by
+   1 nm beyond the active, and is 40 nm long instead of 65 nm. */
+static drawing line_ends(int n) {
+  opc_error error;
+  drawing d = {.layout = eda_layout_new(1, &error)};
+  d.top = eda_layout_cell(d.layout, "TOP", &error);
+  box(&d, d.top, "nwell", -20000, -20000, -19000, -19000);
+  int32_t cell[] = {eda_layout_cell(d.layout, "SHORT", &error),
+                    eda_layout_cell(d.layout, "LONG", &error)};
+  for (int k = 0; k < 2; k++) {
+    box(&d, cell[k], "active", 0, 0, 465, 400);
+    box(&d, cell[k], "poly", 200, k ? -140 : -1, k ? 265 : 240, 540);
+  }
+  for (int i = 0; i < n; i++) {
+    d.cell = cell[i % 3 > 0];
+    place_sample(&d, 900 * i, 0, 0, 0, 1);
+  }
+  return d;
+}
+
+/* Correct four transistors. Receive their flags and deviations of Ion, %, from
+   left to right. */
+static void line_ends_correct(const char *divide, const char *more,
+                              uint32_t flags[4], double off[4]) {
+  drawing d = line_ends(4);
+  g_autofree char *all =
+      g_strdup_printf(CHEAP ", margin: 2000 nm, divide: %s%s", divide, more);
+  opc_module *m = make_sample("correct", all);
+  opc_test_input(m, "layout", d.layout);
+  eda_mask *mask = run_step(m);
+  for (size_t i = 0; i < 4; i++) {
+    size_t k = mask->chip ? mask->chip->gate[i].print : i;
+    eda_box b = mask->chip ? mask->chip->gate[i].box : mask->gates->box[i];
+    int32_t at = b.x0 / 900;
+    flags[at] = mask->flags[k];
+    off[at] = eda_deviation(mask->after.ion[k], mask->design.ion[k]);
+    g_test_message("%s %d: 0x%x, %.3f %%", divide, at, flags[at], off[at]);
+  }
+  release_sample(m, mask);
+  eda_layout_free(d.layout);
+}
+
+/* All ways to divide a layout agree which transistors with short line ends
+   print, and on the currents. Without a regulator, they do not print. */
+static void test_line_ends(void) {
+  static const char *const more[] = {"", REGULATOR};
+  for (size_t r = 0; r < G_N_ELEMENTS(more); r++) {
+    uint32_t flags[4], by[4];
+    double off[4], by_off[4];
+    line_ends_correct("whole", more[r], flags, off);
+    for (int k = 0; k < 2; k++) {
+      line_ends_correct(k ? "cells" : "environments", more[r], by, by_off);
+      for (int i = 0; i < 4; i++) {
+        g_assert_cmpuint(by[i], ==, flags[i]);
+        g_assert_cmpint(eda_print_failed(by[i]), ==, !r && i % 3 == 0);
+        if (!eda_print_failed(by[i]))
+          g_assert_cmpfloat(fabs(by_off[i] - off[i]), <, 0.5);
+      }
+    }
+  }
+}
+
+/* A layout of which nothing prints has no worst deviation. */
+static void test_nothing(void) {
+  drawing d = line_ends(1);
+  opc_module *m = make_sample(
+      "correct",
+      CHEAP ", top: TOP, margin: 1000 nm, divide: whole, max_iterations: 1");
+  opc_test_input(m, "layout", d.layout);
+  eda_mask *mask = run_step(m);
+  g_assert_true(opc_test_metric("failed") == 1);
+  g_assert_nonnull(
+      strstr(opc_test_log(), "('max_iterations'): nothing prints"));
+  release_sample(m, mask);
+  eda_layout_free(d.layout);
+}
+
 /* ---- the decision ---- */
 
 /* Return n transistors in rows; their widths repeat after `period`. */
@@ -476,6 +555,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/chip/threads", test_threads);
   g_test_add_func("/chip/sram", test_sram);
   g_test_add_func("/chip/faults", test_faults);
+  g_test_add_func("/chip/line-ends", test_line_ends);
+  g_test_add_func("/chip/nothing", test_nothing);
   g_test_add_func("/chip/auto", test_auto);
   g_test_add_func("/chip/refused", test_refused);
   g_test_add_func("/chip/forecast", test_forecast);

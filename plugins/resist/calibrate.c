@@ -396,14 +396,17 @@ static int specimen_init(const fitting *f, specimen *s, opc_error *error) {
   double v[3];
   eda_field_sample(&s->image, x, y, 3, v);
   if (f->sign * (v[0] - v[1]) > 0 && f->sign * (v[2] - v[0]) > 0) return OPC_OK;
-  char line[96] = "";
+  char line[96] = "", blur[64] = "";
   if (resist_layer_has_table(r))
     (void)snprintf(line, sizeof line, ", line %g nm, pitch %g nm",
                    s->want->line, s->want->pitch);
+  if (f->resist->diffusion > 0)
+    (void)snprintf(blur, sizeof blur, ", after 'diffusion' of %g nm",
+                   f->resist->diffusion);
   return opc_fail(error, OPC_INVALID, r->source,
                   "'%s'%s cannot be printed: intensity %.3f at the centre of "
-                  "the line, %.3f at the edge, %.3f between lines",
-                  r->source, line, v[1], v[0], v[2]);
+                  "the line, %.3f at the edge, %.3f between lines%s",
+                  r->source, line, v[1], v[0], v[2], blur);
 }
 
 /* ---- least squares ---- */

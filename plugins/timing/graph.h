@@ -6,6 +6,7 @@
 
 #include <eda/netlist.h>
 #include <eda/timing.h>
+#include <opcflow/plugin.h>
 
 /* Output of a cell instance. */
 typedef struct node {
@@ -142,3 +143,8 @@ typedef struct arrivals {
 } arrivals;
 arrivals static_arrivals(const graph *g, const state *s, double slew,
                          eda_pool *pool);
+
+/* Log a finding if gates switch at slews or loads so far beyond their tables
+   that the extrapolated delays are inaccurate. `slew`: of the inputs, s. */
+void log_extrapolated(const opc_host *host, const graph *g, const state *s,
+                      double slew);

@@ -365,12 +365,15 @@ static const char *worst_unit(const loop *l) {
 /* Log that the loop ends before its synthesizers have finished. If all
    transistors are within the limit, log no finding. */
 static void loop_log_unconverged(const loop *l) {
+  char worst[64] = "nothing prints";
+  if (!isnan(loop_worst(l)))
+    (void)snprintf(worst, sizeof worst, "worst deviation %.3g %s",
+                   loop_worst(l), worst_unit(l));
   int within = l->summary.gates && loop_worst(l) <= l->ion_limit;
   l->host->log(l->host, within ? OPC_LOG_INFO : OPC_LOG_FINDING,
-               "not converged after %d iteration%s ('max_iterations'): worst "
-               "deviation %.3g %s",
+               "not converged after %d iteration%s ('max_iterations'): %s",
                (int)l->max_iterations, l->max_iterations == 1 ? "" : "s",
-               loop_worst(l), worst_unit(l));
+               worst);
 }
 
 static int loop_is_cancelled(const loop *l) {

@@ -472,6 +472,10 @@ static int hopkins_check(void *self, opc_error *error) {
     code = opc_fail(error, OPC_INVALID, "kernels",
                     "'kernels' and 'error' exclude each other: set the number "
                     "of kernels, or the error that determines the number");
+  if (!code && h->fixed > PLANE_MOST && !optics_is_radial(&h->optics))
+    code = opc_fail(error, OPC_INVALID, "kernels",
+                    "'kernels' is %lld; this source and pupil have at most %d",
+                    (long long)h->fixed, PLANE_MOST);
   size_t listed = h->optics.points.count / 3, parts = vector_parts(&h->optics);
   if (code || listed * parts <= MOST_LISTED) return code;
   return opc_fail(

@@ -552,6 +552,10 @@ static void test_refused(void) {
   g_assert_null(
       opc_test_module("litho.hopkins", "{ kernels: 24, error: 1e-3 }", &error));
   g_assert_nonnull(strstr(error.message, "exclude each other"));
+  g_assert_null(opc_test_module(
+      "litho.hopkins", "{ source: dipole, sigma_in: 0.5, kernels: 121 }",
+      &error));
+  g_assert_nonnull(strstr(error.message, "at most 120"));
   g_assert_null(
       opc_test_module("litho.hopkins", "{ wavelength: 193 }", &error));
   GString *many = g_string_new("{ source: points, points: [0, 0, 1");

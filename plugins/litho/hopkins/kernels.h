@@ -9,6 +9,9 @@
 
 #include "../vector.h"
 
+/* Largest number of kernels of plane_new. */
+enum { PLANE_MOST = 120 };
+
 /* Kernels of a T, and the functions of their representation. */
 typedef struct kernels kernels;
 struct kernels {
@@ -46,8 +49,8 @@ struct kernels {
 kernels *radial_new(const opc_context *context, const optics *o, double defocus,
                     int real, double error);
 
-/* Return kernels of any source and pupil. `defocus`, nm, is added to
-   optics.defocus. On failure, return NULL and set *error. Free with
+/* Return kernels of any source and pupil, at most PLANE_MOST. `defocus`, nm, is
+   added to optics.defocus. On failure, return NULL and set *error. Free with
    kernels.free. */
 kernels *plane_new(const opc_context *context, const optics *o, double defocus,
                    opc_error *error);

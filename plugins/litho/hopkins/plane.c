@@ -25,7 +25,6 @@
 enum {
   POINTS = 400, /* approximate number of points into which the source is
                    divided */
-  MOST = 120,   /* largest number of kernels */
   SPARE = 20,   /* additional vectors of the subspace iteration */
   CELLS = 128,  /* cells of the tables in each direction */
   THIN = 5,     /* D is fitted on every THIN-th node in each direction */
@@ -200,8 +199,8 @@ static void plane_mix_span(plane *p, const float complex *q,
    power of the matrix times random vectors (Halko, Martinsson, Tropp, SIAM
    Review 53, 2011). The random vectors are the same in every run. */
 static void plane_solve(plane *p) {
-  size_t n = p->n, most = n < MOST ? n : MOST;
-  size_t count = n < MOST + SPARE ? n : MOST + SPARE;
+  size_t n = p->n, most = n < PLANE_MOST ? n : PLANE_MOST;
+  size_t count = n < PLANE_MOST + SPARE ? n : PLANE_MOST + SPARE;
   gram g = {p, eda_alloc(n * n, sizeof *g.matrix)};
   float complex *q = eda_alloc(count * n, sizeof *q);
   float complex *z = eda_alloc(count * n, sizeof *z);
@@ -254,7 +253,7 @@ static void mix_row(void *data, size_t j) {
   size_t nodes = nodes_of(p), n = p->available, side = (size_t)p->side;
   for (size_t node = j * side; node < (j + 1) * side; node++) {
     const float complex *a = p->shifted + node * p->n;
-    float re[MOST] = {0}, im[MOST] = {0};
+    float re[PLANE_MOST] = {0}, im[PLANE_MOST] = {0};
     for (size_t s = 0; s < p->n; s++)
       mix_add(re, im, crealf(a[s]), cimagf(a[s]), m->re + s * n, m->im + s * n,
               n);
@@ -421,7 +420,7 @@ kernels *plane_new(const opc_context *context, const optics *o, double defocus,
   p->side = CELLS + 5;
   p->step = 2 * p->base.radius / CELLS;
   p->low = -p->base.radius - 2 * p->step;
-  size_t nodes = nodes_of(p), most = p->n < MOST ? p->n : MOST;
+  size_t nodes = nodes_of(p), most = p->n < PLANE_MOST ? p->n : PLANE_MOST;
   p->diagonal = eda_alloc(nodes, sizeof *p->diagonal);
   p->s_table = eda_alloc(nodes, sizeof *p->s_table);
   p->shifted = eda_alloc(nodes * p->n, sizeof *p->shifted);

@@ -376,6 +376,10 @@ static void test_bright(void) {
   eda_field_clear(&f);
   lines_refused("resist.threshold", "{ tone: dark, active_threshold: 0.2 }",
                 litho, "cannot be printed");
+  lines_refused(
+      "resist.threshold",
+      "{ diffusion: 600 nm, anchor: { line: 120 nm, pitch: 300 nm } }", litho,
+      "after 'diffusion' of 600 nm");
 }
 
 static void test_bad_tables(void) {

@@ -52,6 +52,7 @@ static int paths_run(void *self, void **outputs, opc_error *error) {
   if (!code) code = states_find(p, error);
   for (size_t s = 0; s < p->states && !code; s++)
     state_tables(&p->graph, p->at, &p->state[s]);
+  if (!code) log_extrapolated(p->host, &p->graph, p->state, p->at.slew);
   if (!code) patterns_count(p);
   if (!code) code = paths_simulate(p, error);
   if (!code) code = write_files(p, error);

@@ -59,6 +59,26 @@ static void test_chain(void) {
   eda_timing_free(t);
 }
 
+/* Tables end at a slew of 50 ps and a load of 20 fF. A slew 10 % beyond the end
+   and a load of ten times the end cause no finding; larger ones do. */
+static void test_extrapolated(void) {
+  static const char *const more[][2] = {
+      {", slew: 54.9 ps, load: 4 fF", NULL},
+      {", slew: 55.1 ps, load: 4 fF", "slews are up to 1.1 times, loads up"},
+      {", slew: 8 ps, load: 199 fF", NULL},
+      {", slew: 8 ps, load: 210 fF", "delays of 1 of 1 gates"}};
+  for (size_t i = 0; i < G_N_ELEMENTS(more); i++) {
+    opc_error error;
+    eda_timing *t = library();
+    assert_good(run_paths(t, "a z", "XU1 a z VDD VSS INV\n", more[i][0], NULL,
+                          NULL, &error),
+                &error);
+    const char *want = more[i][1] ? more[i][1] : "extrapolated";
+    g_assert_cmpint(strstr(opc_test_log(), want) != NULL, ==, !!more[i][1]);
+    eda_timing_free(t);
+  }
+}
+
 /* Test the NAND of an input and the inverted input; the output is 1 in both
    static states. After the input rises, both NAND inputs are 1 during the delay
    of the inverter. A slower NAND suppresses the resulting pulse. */
@@ -390,6 +410,7 @@ static void test_refused(void) {
 
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
+  g_test_add_func("/paths/extrapolated", test_extrapolated);
   g_test_add_func("/paths/chain", test_chain);
   g_test_add_func("/paths/pulse", test_pulse);
   g_test_add_func("/paths/printed", test_printed);

@@ -280,6 +280,7 @@ static int slack_spend(slack_task *j, opc_error *error) {
   budget *b = &j->budget;
   b->at = s->at;
   budget_init(b);
+  log_extrapolated(j->s->host, b->g, &b->sizes, b->at.slew);
   j->worst = budget_worst(b);
   b->limit = s->clock > 0 ? s->clock * 1e12 : j->worst * (1 + s->limit / 100);
   j->at_first = budget_leak(b);
