@@ -183,14 +183,14 @@ static double model_margin(const loop *l) {
 
 static int fault_of(const loop *l, size_t i, double margin) {
   const guard *g = &l->guard;
+  /* A transistor that keeps its mask may be worse because of its neighbours. At
+     the edge of a part of a layout, where neighbours are missing, it may not
+     print. */
+  if (l->still && l->still[i]) return GOOD;
   if (eda_print_failed(l->measured.flags[i]))
     return eda_print_failed(g->flags[i]) ? GOOD : LOST;
   double target = target_of(l, i);
   if (isnan(target) || eda_print_failed(g->flags[i])) return GOOD;
-  if (l->still && l->still[i])
-    return GOOD; /* a transistor that keeps its mask
-                    may be worse because of its
-                    neighbours */
   double drawn = guard_deviation(l, &l->before, i, target) + model_margin(l);
   double most = fmax(drawn, l->ion_limit) + margin;
   return guard_deviation(l, &l->measured.performance, i, target) <= most
@@ -201,7 +201,7 @@ static int fault_of(const loop *l, size_t i, double margin) {
 /* Mark new violations as faults of their transistors, unless all edges of the
    transistor have already been reverted: reverting its environment as well
    would cause more violations. Violations without a transistor, for example of
-   mask edges, are ignored. */
+   mask edges, and of transistors that keep their masks are ignored. */
 static int find_broken(loop *l, opc_error *error) {
   guarded *state = l->guard.state;
   eda_violation *v = NULL;
@@ -211,7 +211,8 @@ static int find_broken(loop *l, opc_error *error) {
   int code =
       correct_violations(l->host->context, l->regulator, &p, &v, &n, error);
   for (size_t k = 0; k < n && !code; k++) {
-    guarded *s = v[k].gate < 0 ? NULL : &state[v[k].gate];
+    int fixed = v[k].gate < 0 || (l->still && l->still[v[k].gate]);
+    guarded *s = fixed ? NULL : &state[v[k].gate];
     if (!s || s->tries > GUARD_DRAWN || was_broken(&l->guard, &v[k])) continue;
     s->fault = MAX(s->fault, RULE);
     s->rule = g_intern_string(v[k].rule);

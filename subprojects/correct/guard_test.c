@@ -92,6 +92,7 @@ static const eda_extractor coupled = {.prepare = prepare_nothing,
 /* ---- the loop ---- */
 
 static double limit_of_guard = 0.5; /* % */
+static int still;                   /* 1: transistor 0 keeps its mask */
 
 static void run_step(loop *l, const opc_module *synthesizer,
                      const eda_extractor *e, const opc_module *regulator,
@@ -106,6 +107,7 @@ static void run_step(loop *l, const opc_module *synthesizer,
               .ion_limit = limit_of_guard,
               .drivers[MAIN].module = synthesizer};
   calls = 0;
+  if (still) l->still = memset(eda_alloc(GATES, 1), 1, 1);
   eda_printer_init(&l->printer, NULL, l->gates, MODULE(&litho, NULL),
                    MODULE(&resist, NULL), 300);
   g_assert_cmpint(correct_loop_run(l, &error), ==, OPC_OK);
@@ -309,6 +311,27 @@ static void test_surrounded(void) {
   correct_loop_clear(&l);
 }
 
+/* A transistor that keeps its mask and is opened, or violates a rule, is not a
+   reason to revert its neighbours. */
+static void test_still(void) {
+  static const eda_regulator cuts = {.rule = cutout_through,
+                                     .violations = violations};
+  script s = {.l = {{0, -14}}, .moves = 1, .target = {1, 1}};
+  loop l;
+  still = 1;
+  for (int rule = 0; rule < 2; rule++) {
+    const eda_regulator *regulator = rule ? &finder : &cuts;
+    drawn = 0, moved = rule ? OTHERS : 0;
+    run_step(&l, MODULE(&hasty, &s), &extractor, MODULE(regulator, NULL), 1);
+    int open = (l.measured.flags[0] & EDA_PRINT_OPEN) != 0;
+    g_assert_cmpint(open, ==, !rule);
+    expect_result(&l, 1, -14, NULL);
+    g_assert_cmpuint(l.guard.prints, ==, 0);
+    correct_loop_clear(&l);
+  }
+  still = moved = 0;
+}
+
 /* Reverting the transistor's own edges has no effect: the verdict names the
    neighbour, and both transistors keep their best masks. */
 static void test_neighbour(void) {
@@ -406,6 +429,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/guard/rules", test_rules);
   g_test_add_func("/guard/rule-of-two", test_rule_of_two);
   g_test_add_func("/guard/surrounded", test_surrounded);
+  g_test_add_func("/guard/still", test_still);
   g_test_add_func("/guard/neighbour", test_neighbour);
   g_test_add_func("/guard/rule-beside", test_rule_beside);
   g_test_add_func("/guard/fragments", test_fragments);
