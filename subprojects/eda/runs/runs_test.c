@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Valid and damaged run folders and experiments, written by hand. */
 #include <eda/runs.h>
+#include <eda/verdicts.h>
 #include <glib.h>
 #include <glib/gstdio.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const char manifest[] =
@@ -332,6 +334,96 @@ static void test_bad_experiments(void) {
   folder_drop(folder);
 }
 
+/* ---- comparisons ---- */
+
+/* Return a folder (g_free) with a run and its table of transistors. */
+static char *run_make(const char *rows, const char *columns) {
+  char *folder = folder_make(NULL, NULL, NULL);
+  g_autofree char *table =
+      g_strconcat("transistor,l (nm)", columns, rows, NULL);
+  file_put(folder, "gates.csv", table);
+  return folder;
+}
+
+/* Reasons why the transistors of two runs do not correspond. */
+static void test_unlike(void) {
+#define FLAT ",x (nm),y (nm)\r\n"
+#define CLASSES ",x (nm),y (nm),count\r\n"
+#define FURTHER \
+  "set 'transistors: all.csv' in the steps of both runs that correct"
+  static const struct {
+    const char *base, *other, *of_base, *of_other, *why;
+  } cases[] = {
+      {"a:1,65,1,2\r\nb:1,60,3,4\r\n", "b:1,60,3,4\r\na:1,65,1,2\r\n", FLAT,
+       FLAT, NULL},
+      {"a:1,65,1,2\r\nb:1,60,3,4\r\n", "a:1,65,1,2\r\n", FLAT, FLAT,
+       "only the base has a transistor 'b:1'"},
+      {"a:1,65,1,2\r\n", "a:1,65,1,2\r\nb:1,60,3,4\r\n", FLAT, FLAT,
+       "the runs have 1 and 2 transistors"},
+      {"a:1,65,1,2\r\n", "a:1,66,1,2\r\n", FLAT, FLAT,
+       "transistor 'a:1' is drawn differently"},
+      {"T:1,65,1,2,2\r\n", "a:1,65,1,2\r\nb:1,65,3,4\r\n", CLASSES, FLAT, NULL},
+      {"a:1,65,1,2\r\nb:1,65,3,4\r\n", "T:1,65,1,2,3\r\n", FLAT, CLASSES,
+       "the runs have 3 and 2 transistors"},
+      {"T:1,65,1,2,2\r\n", "U:1,65,1,2,2\r\n", CLASSES, CLASSES, NULL},
+      {"T:1,65,1,2,2\r\n", "T:1,65,1,2,3\r\n", CLASSES, CLASSES,
+       "the class of the transistor at (1, 2) nm is not in both "
+       "runs: " FURTHER},
+      {"T:1,65,1,2,2\r\n", "T:1,65,1,3,2\r\n", CLASSES, CLASSES,
+       "the class of the transistor at (1, 2) nm is not in both "
+       "runs: " FURTHER},
+      {"T:1,65,1,2,1\r\n", "a:1,66,1,2\r\n", CLASSES, FLAT,
+       "transistor at (1, 2) nm is drawn differently"}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    char *a = run_make(cases[i].base, cases[i].of_base);
+    char *b = run_make(cases[i].other, cases[i].of_other);
+    opc_error error = {0};
+    eda_run *base = eda_run_open(a, &error), *other = eda_run_open(b, &error);
+    char *why = NULL;
+    g_assert_cmpint(eda_run_unlike(base, other, &why, &error), ==, OPC_OK);
+    g_assert_cmpstr(why, ==, cases[i].why);
+    free(why);
+    eda_run_free(base);
+    eda_run_free(other);
+    folder_drop(a);
+    folder_drop(b);
+  }
+}
+
+/* Five cases of one transistor each, in which the second method improves Ion by
+   0.1 to 0.5 points; the third method equals the first and has no run of the
+   first case. */
+static void test_verdicts(void) {
+  enum { CASES = 5, METHODS = 3 };
+  static const char *const methods[] = {"x", "y", "z"};
+  static const char *const texts[] = {
+      "y is better than x in Ion by 0.3 points (95 %: 0.1 to 0.5); equal in "
+      "seconds",
+      "no verdict on z against x; equal in Ion, seconds",
+      "no verdict on z against y; equal in seconds; too few cells for Ion (4 "
+      "of 5)"};
+  char *folders[CASES * METHODS];
+  for (int i = 0; i < CASES * METHODS; i++) {
+    int k = i / METHODS, better = i % METHODS == 1;
+    g_autofree char *row =
+        g_strdup_printf("%c:1,65,-%g\r\n", 'a' + k, 5 - better * (k + 1) * 0.1);
+    folders[i] = i == 2 ? NULL : run_make(row, ",ion_after (%)\r\n");
+  }
+  size_t n;
+  opc_error error = {0};
+  eda_verdict *v = eda_verdicts_new(CASES, METHODS, methods,
+                                    (const char *const *)folders, &n, &error);
+  g_assert_cmpuint(n, ==, 3);
+  for (size_t i = 0; i < n; i++) g_assert_cmpstr(v[i].text, ==, texts[i]);
+  const eda_change *ion = &v[0].changes[EDA_CHANGE_ION];
+  g_assert_cmpint(ion->better, ==, 5);
+  g_assert_cmpfloat_with_epsilon(ion->value, 4.7, 1e-12);
+  g_assert_cmpfloat_with_epsilon(ion->median.low, -0.5, 1e-12);
+  eda_verdicts_free(v, n);
+  for (int i = 0; i < CASES * METHODS; i++)
+    if (folders[i]) folder_drop(folders[i]);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/runs/run", test_run);
@@ -342,5 +434,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/runs/bad_tables", test_bad_tables);
   g_test_add_func("/runs/experiment", test_experiment);
   g_test_add_func("/runs/bad_experiments", test_bad_experiments);
+  g_test_add_func("/runs/unlike", test_unlike);
+  g_test_add_func("/runs/verdicts", test_verdicts);
   return g_test_run();
 }
