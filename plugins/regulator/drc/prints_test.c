@@ -65,6 +65,28 @@ static void test_near_neighbour(void) {
   chip_end(&c);
 }
 
+/* The whole spacing to a shape of another layer that does not move is
+   available: 6 nm. */
+static void test_near_other_layer(void) {
+  for (int layer = EDA_POLY; layer <= EDA_ACTIVE; layer++) {
+    g_autoptr(opc_module) m = drc_make("{ overlay: 10 nm, min_space: 40 nm }");
+    chip c = {0};
+    add_box(&c.drawn[layer], 0, 0, 106, 140);
+    add_box(&c.drawn[!layer], 152, 0, 400, 140);
+    add_box(&c.drawn[CONTACT], 20, 30, 100, 110);
+    add_box(&c.printed[layer], -10, -10, 104, 150);
+    add_box(&c.printed[!layer], 152, 0, 400, 140);
+    chip_show(&c);
+    for (int i = 0; i < 12; i++) chip_judge(m, &c);
+    int32_t right = 0;
+    for (size_t i = 0; i < c.ruling.added[layer].count; i++)
+      if (c.ruling.added[layer].box[i].x1 > right)
+        right = c.ruling.added[layer].box[i].x1;
+    g_assert_cmpint(right, ==, 112);
+    chip_end(&c);
+  }
+}
+
 /* Set the mask of poly to the drawn shapes, the added shapes and `more`,
    merged. The caller frees the mask. Return the number of edges below 20 nm. */
 static size_t mask_with(chip *c, eda_box more) {
@@ -364,6 +386,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/regulator/jog-near-shape", test_jog_near_shape);
   g_test_add_func("/regulator/width", test_width);
   g_test_add_func("/regulator/near_neighbour", test_near_neighbour);
+  g_test_add_func("/regulator/near-other-layer", test_near_other_layer);
   g_test_add_func("/regulator/contact", test_contact);
   g_test_add_func("/regulator/neck", test_neck);
   g_test_add_func("/regulator/stuck-neck", test_stuck_neck);

@@ -5,6 +5,7 @@
 #include <glib.h>
 #include <glib/gstdio.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static char *folder;
@@ -64,6 +65,57 @@ static void test_places(void) {
   g_assert_cmphex(pixel(s, 99, 333), ==, 0x202020);
   g_assert_cmphex(pixel(s, 98, 333), ==, 0xffffff);
   g_assert_cmphex(pixel(s, 500, 333), ==, 0x202020);
+  cairo_surface_destroy(s);
+}
+
+static int brightness(uint32_t colour) {
+  return (int)((colour >> 16) + (colour >> 8 & 255) + (colour & 255));
+}
+
+static int is_near(uint32_t a, uint32_t b) {
+  for (int shift = 0; shift <= 16; shift += 8)
+    if (abs((int)(a >> shift & 255) - (int)(b >> shift & 255)) > 16) return 0;
+  return 1;
+}
+
+/* A heat map: the brightness rises with the figure, in the map and in the scale
+   beside the map; a cell without a figure is grey with a cross. A band fills
+   its area only, between figures. */
+static void test_field(void) {
+  static const char *const labels[] = {"a", "b"};
+  static const double figures[] = {0, 4, NAN, 2}; /* [x * 2 + y] */
+  static const double x[] = {-0.5, 0.5, 1.5}, low[] = {0, 0, NAN},
+                      high[] = {0.5, 0.5, 0.5};
+  g_autofree char *path = path_of("field.png");
+  opc_error error;
+  eda_paper *paper = eda_paper_open(path, 600, 420, 15, &error);
+  g_assert_nonnull(paper);
+  eda_chart c = chart_on(paper);
+  const eda_axis of = {.low = 0, .high = 4};
+  eda_axis_label(&c.x, labels, 2);
+  c.y = (eda_axis){.low = 0};
+  eda_axis_label(&c.y, labels, 2);
+  eda_chart_field(&c, &of, figures);
+  eda_chart_band(&c, red, x, low, high, 3);
+  g_assert_cmpint(eda_paper_close(paper, OPC_OK, &error), ==, OPC_OK);
+  cairo_surface_t *s = cairo_image_surface_create_from_png(path);
+  /* The cells are 200 pixels wide and 150 high; the second row is above. */
+  uint32_t least = pixel(s, 180, 330), most = pixel(s, 180, 100),
+           middle = pixel(s, 380, 60);
+  g_assert_cmphex(pixel(s, 380, 330), ==, 0xcccccc);
+  g_assert_true(is_near(pixel(s, 400, 275), 0x202020)); /* the cross */
+  /* The scale is 22 pixels from the map, 1.3 sizes of the font wide. */
+  g_assert_true(is_near(pixel(s, 530, 349), least));
+  g_assert_true(is_near(pixel(s, 530, 51), most));
+  g_assert_true(is_near(pixel(s, 530, 199), middle));
+  g_assert_cmpint(brightness(most), >, brightness(middle) + 100);
+  g_assert_cmpint(brightness(middle), >, brightness(least) + 100);
+  /* 60 % of red over the figure, above 0 and below 0.5. */
+  uint32_t over = pixel(s, 180, 240), red_part = over >> 16;
+  g_assert_cmpuint(red_part, ==,
+                   (uint32_t)lround(0.6 * 255 + 0.4 * (least >> 16)));
+  g_assert_cmphex(pixel(s, 180, 290), ==, least);
+  g_assert_cmphex(pixel(s, 480, 240), ==, 0xcccccc);
   cairo_surface_destroy(s);
 }
 
@@ -152,6 +204,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/chart/places", test_places);
   g_test_add_func("/chart/equal-files", test_equal_files);
   g_test_add_func("/chart/axes", test_axes);
+  g_test_add_func("/chart/field", test_field);
   g_test_add_func("/chart/legend", test_legend);
   g_test_add_func("/chart/refused", test_refused);
   int code = g_test_run();

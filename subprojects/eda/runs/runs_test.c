@@ -362,9 +362,11 @@ static void test_unlike(void) {
        "the runs have 1 and 2 transistors"},
       {"a:1,65,1,2\r\n", "a:1,66,1,2\r\n", FLAT, FLAT,
        "transistor 'a:1' is drawn differently"},
-      {"T:1,65,1,2,2\r\n", "a:1,65,1,2\r\nb:1,65,3,4\r\n", CLASSES, FLAT, NULL},
+      {"T:1,65,1,2,2\r\n", "b:1,60,3,4\r\na:1,65,1,2\r\n", CLASSES, FLAT, NULL},
       {"a:1,65,1,2\r\nb:1,65,3,4\r\n", "T:1,65,1,2,3\r\n", FLAT, CLASSES,
        "the runs have 3 and 2 transistors"},
+      {"T:1,65,1,2,1\r\n", "a:1,65,1,2\r\nb:1,65,3,4\r\n", CLASSES, FLAT,
+       "the runs have 1 and 2 transistors"},
       {"T:1,65,1,2,2\r\n", "U:1,65,1,2,2\r\n", CLASSES, CLASSES, NULL},
       {"T:1,65,1,2,2\r\n", "T:1,65,1,2,3\r\n", CLASSES, CLASSES,
        "the class of the transistor at (1, 2) nm is not in both "
