@@ -58,6 +58,37 @@ static void test_touched(void) {
   free((eda_box *)begun[3].box);
 }
 
+/* Transistors whose deviation exceeds the limit in either direction, or that do
+   not print, are opened; or those that violate a rule. */
+static void test_open(void) {
+  double ion[] = {1.01, 1.03, 0.97, 1.09, 1, 0.99, 1.03};
+  double drawn[] = {1, 1, 1, 1, 1, 1, 1};
+  enum { N = G_N_ELEMENTS(ion), RULES = 3 };
+  static const uint8_t open[2][N] = {{0, 1, 1, 0, 1, 0, 1},
+                                     {0, 1, 0, 0, 0, 1, 0}};
+  const double limit[N] = {2, 2, 2, INFINITY, 2, 2, 2};
+  uint32_t flags[N] = {[4] = EDA_PRINT_OPEN};
+  eda_violation violation[RULES] = {{.gate = -1}, {.gate = 5}, {.gate = 1}};
+  for (int violations = 0; violations < 2; violations++) {
+    eda_boxes begun[LISTS] = {{0}};
+    uint32_t *owner[LISTS] = {NULL};
+    uint8_t still[N] = {1, 1, 1, 1, 1, 1, 1};
+    const eda_gates gates = {.count = N, .layers = LAYERS};
+    loop l = {.gates = &gates,
+              .begun = begun,
+              .still = still,
+              .start = {.limit = limit, .owner = owner},
+              .design = {.ion = drawn}};
+    l.measured.performance.ion = ion;
+    l.measured.flags = flags;
+    l.guard.drawn = violation;
+    l.guard.rules = RULES;
+    correct_start_open(&l, violations);
+    for (int i = 0; i < N; i++)
+      g_assert_cmpuint(still[i], ==, !open[violations][i]);
+  }
+}
+
 /* Displacements of a gate in the start and in the loop, and the outward
    displacements of both active edges, counted by hand. */
 typedef struct moves {
@@ -141,6 +172,7 @@ static void test_printed(void) {
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/start/touched", test_touched);
+  g_test_add_func("/start/open", test_open);
   g_test_add_func("/start/printed", test_printed);
   return g_test_run();
 }
