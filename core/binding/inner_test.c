@@ -194,7 +194,8 @@ static void test_queries(void) {
   g_assert_nonnull(strstr(error.message, "did you mean 'sum'?"));
 }
 
-/* Names of files in resolved flows do not depend on the current folder. */
+/* Names of files in resolved flows do not depend on the current folder. Lists
+   are sources of the inner flow, whose checksums a run records. */
 static void test_absolute(void) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   write_file("lists/all.yaml", "u: { a.whole: 1 }\nv: { a.whole: 2 }\n");
@@ -205,6 +206,12 @@ static void test_absolute(void) {
            problems);
   g_autofree char *faults = opc_problems_text(problems);
   g_assert_cmpstr(faults, ==, "");
+  const GPtrArray *sources = inner_of(flow)->recipe->sources;
+  gboolean is_source = FALSE;
+  for (guint i = 0; i < sources->len; i++)
+    is_source |= !strcmp(((const opc_source *)sources->pdata[i])->name,
+                         "lists/all.yaml");
+  g_assert_true(is_source);
   g_autofree char *text = opc_flow_resolved(flow, NULL);
   g_autofree char *here = g_get_current_dir();
   const char *const parts[] = {"a.input: %s/in.txt", "list: %s/lists/all.yaml",
