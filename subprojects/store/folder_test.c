@@ -390,6 +390,7 @@ static void test_json(void) {
   static const char text[] = "1.50 \"2.50\" \\ 3.10\x1b\n";
   JsonArray *list = json_array_new();
   json_array_add_string_element(list, text);
+  json_array_add_string_element(list, "even");
   json_array_add_int_element(list, 1234567);
   for (size_t i = 0; i < G_N_ELEMENTS(numbers); i++)
     json_array_add_double_element(list, numbers[i]);
@@ -401,9 +402,9 @@ static void test_json(void) {
   g_assert_no_error(error);
   JsonArray *back = json_node_get_array(read);
   g_assert_cmpstr(json_array_get_string_element(back, 0), ==, text);
-  g_assert_cmpint(json_array_get_int_element(back, 1), ==, 1234567);
+  g_assert_cmpint(json_array_get_int_element(back, 2), ==, 1234567);
   for (guint i = 0; i < G_N_ELEMENTS(numbers); i++) {
-    JsonNode *one = json_array_get_element(back, i + 2);
+    JsonNode *one = json_array_get_element(back, i + 3);
     g_assert_true(json_node_get_value_type(one) == G_TYPE_DOUBLE);
     g_assert_true(json_node_get_double(one) == numbers[i]);
   }

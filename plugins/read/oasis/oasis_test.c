@@ -191,10 +191,11 @@ static void test_shapes(void) {
              0l);
   values_put(f, "bbuusss", EDA_OASIS_TRAPEZOID_B, 0x78, 10ul, 20ul, 10l, 0l,
              0l);
+  values_put(f, "bbuusss", EDA_OASIS_TRAPEZOID_B, 0xf8, 10ul, 20ul, 3l, 0l, 0l);
   assert_dump(f,
               "1/2 10,20 15,20 15,25 10,25\n1/2 11,22 16,22 16,29 11,29\n"
               "1/2 0,0 20,0 16,10 3,10\n1/2 0,0 10,3 10,20 0,20\n"
-              "1/2 0,0 10,20 0,20\n");
+              "1/2 0,0 10,20 0,20\n1/2 0,0 10,0 10,17 0,20\n");
   f = new_cell();
   values_put(f, "bbuuuuss", EDA_OASIS_TRAPEZOID, 0x63, 1ul, 2ul, 20ul, 10ul,
              15l, -16l);
