@@ -262,7 +262,9 @@ int work_continues(const work *w) {
 double mask_limit(const work *w, uint32_t mask) {
   double n = (double)w->chip->count, most = w->with->ion_limit;
   if (!w->cells.used || isnan(w->cells.max_diff))
-    return (double)w->classes > tuned.distinct * n ? most : tuned.split * most;
+    return !w->cells.used && (double)w->classes > tuned.distinct * n
+               ? most
+               : tuned.split * most;
   const alone *a = &w->alone[mask];
   double off = a->known ? print_deviation(&a->result) : 0;
   double limit = w->cells.max_diff + (isfinite(off) ? off : 0);
