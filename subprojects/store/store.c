@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Files of the store. FOLDER/entries/ab/cdef... has a line of 16 bytes, 64
-   digits of the SHA-256 of the remainder, 16 digits of the size of a GVariant,
-   the GVariant, and the contents of files. FOLDER/new/ has files being written,
+   digits of a SHA-256, 16 digits of the size of a GVariant, the GVariant, and
+   the contents of files. The SHA-256 is that of the key, the type of the
+   GVariant, and the remainder of the file, so that an entry under another key
+   counts as damaged. FOLDER/new/ has files being written,
    locked by their writers. FOLDER/lock is locked while old entries are removed.
    FOLDER/limit has the limit. FOLDER/claims is an empty file with the locks of
    claims. FOLDER/opcflow-store is an empty file that marks the folder as a
@@ -20,9 +22,10 @@
 #include <store/pack.h>
 #include "private.h"
 
-static const char mark[] = "opcflow store 2\n";
-/* Mark of a format that is not read: SHA-256 and GVariant only. */
-static const char older[] = "opcflow store 1\n";
+static const char mark[] = "opcflow store 3\n";
+/* Beginning of the marks of formats that are not read: 1 and 2 have a SHA-256
+   without key and type. */
+static const char older[] = "opcflow store ";
 enum { MARK = 16, SUM = 64, SIZE = 16, HEAD = MARK + SUM + SIZE };
 
 /* Size of the buffer through which the contents of files are copied. */
@@ -152,9 +155,19 @@ static gboolean read_all(int file, void *data, gsize n) {
   return TRUE;
 }
 
+/* Return the checksum of the key and the type of an entry, both with their
+   terminating zeros. */
+static GChecksum *sum_new(const char *key, const char *type) {
+  GChecksum *sum = g_checksum_new(G_CHECKSUM_SHA256);
+  g_checksum_update(sum, (const guchar *)key, (gssize)strlen(key) + 1);
+  g_checksum_update(sum, (const guchar *)type, (gssize)strlen(type) + 1);
+  return sum;
+}
+
 /* Return the bytes of the value of an entry (g_free), and set the position to
    the contents of its files; NULL if the entry is damaged. */
-static char *read_sound(int file, const char *head, gsize *n) {
+static char *read_sound(int file, const char *key, const GVariantType *type,
+                        const char *head, gsize *n) {
   struct stat about;
   g_autofree char *digits = g_strndup(head + MARK + SUM, SIZE);
   guint64 size = g_ascii_strtoull(digits, NULL, 16);
@@ -162,7 +175,8 @@ static char *read_sound(int file, const char *head, gsize *n) {
       size > (guint64)about.st_size - HEAD)
     return NULL;
   char *text = g_malloc(MAX(*n = size, 1)), buffer[BUFFER];
-  g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
+  g_autofree char *name = g_variant_type_dup_string(type);
+  g_autoptr(GChecksum) sum = sum_new(key, name);
   gboolean good = read_all(file, text, size);
   g_checksum_update(sum, (const guchar *)digits, SIZE);
   g_checksum_update(sum, (const guchar *)text, (gssize)size);
@@ -188,7 +202,7 @@ GVariant *opc_store_get_files(opc_store *store, const char *key,
   int file = open(path, O_RDONLY | O_CLOEXEC);
   if (file < 0) return NULL;
   gboolean whole = read_all(file, head, HEAD);
-  char *text = whole ? read_sound(file, head, &n) : NULL;
+  char *text = whole ? read_sound(file, key, type, head, &n) : NULL;
   if (text) {
     (void)utimensat(AT_FDCWD, path, NULL, 0); /* mark as recently used */
     *contents = file;
@@ -196,7 +210,8 @@ GVariant *opc_store_get_files(opc_store *store, const char *key,
         g_variant_new_from_data(type, text, n, FALSE, g_free, text));
   }
   close(file);
-  if (!whole || memcmp(head, older, MARK))
+  if (!whole || !memcmp(head, mark, MARK) ||
+      strncmp(head, older, strlen(older)) != 0)
     store_complain(store, path, "was damaged and has been removed");
   (void)unlink(path);
   return NULL;
@@ -272,10 +287,10 @@ static gboolean write_files(int file, GChecksum *sum, GVariant *files,
 /* Write a value and files under a temporary name, locked during the write. The
    checksum is written last. */
 static gboolean write_value(const char *fresh, int file, const char *path,
-                            GVariant *value, GVariant *files,
+                            const char *key, GVariant *value, GVariant *files,
                             const char *from) {
   gsize n = g_variant_get_size(value);
-  g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
+  g_autoptr(GChecksum) sum = sum_new(key, g_variant_get_type_string(value));
   g_autofree char *head = g_strdup_printf("%s%*s", mark, SUM, ""),
                   *size = g_strdup_printf("%0*" G_GINT64_MODIFIER "x", SIZE,
                                           (guint64)n),
@@ -306,7 +321,7 @@ gboolean opc_store_put_files(opc_store *store, const char *key, GVariant *given,
                  ? -1
                  : g_mkstemp_full(fresh, O_WRONLY | O_CLOEXEC, 0600);
   gboolean good =
-      file >= 0 && write_value(fresh, file, path, value, files, from);
+      file >= 0 && write_value(fresh, file, path, key, value, files, from);
   /* The file may be missing, because another process has cleared the store. */
   if (!good && errno != ENOENT && !store->reported) {
     store->reported = TRUE;

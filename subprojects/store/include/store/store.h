@@ -38,8 +38,9 @@ const char *opc_store_folder(const opc_store *store);
    is reported. */
 char *opc_store_complaint(opc_store *store);
 
-/* Return the value under `key` (g_variant_unref), which must have been stored
-   with the type `type`; NULL if missing or damaged. A damaged value is removed.
+/* Return the value under `key` (g_variant_unref); NULL if missing, damaged,
+   stored under another key, or of another type than `type`. Such a value is
+   removed.
    `key` begins with two hexadecimal digits, has at least one more character,
    and may have a suffix. */
 GVariant *opc_store_get(opc_store *store, const char *key,
