@@ -172,11 +172,12 @@ static int take_some(void *data, size_t part, const void *bytes, size_t size,
 
 /* ---- list of work units ---- */
 
-/* Return the key of a stored result; all dependencies are inputs of the step.
- */
+/* Return the key of a stored result; all other dependencies are inputs of the
+   step. A sample finds other transistors, in other orientations. */
 static const char *key_of(void *data, size_t part) {
   scan *s = data;
-  (void)snprintf(s->key, sizeof s->key, "%zu", part);
+  (void)snprintf(s->key, sizeof s->key, "%s%zu",
+                 s->work->sample ? "sample " : "", part);
   return s->key;
 }
 
