@@ -280,8 +280,8 @@ static const opc_parameter parameters[] = {
                   .unit = "nm", .follows = "3.886 lambda/NA", .min = 0,
                   .summary = "clear field around the layout"),
     OPC_PARAMETER_NAMED(
-        "fine", calibrate, image_error, .type = OPC_REAL, .flags = OPC_ABOVE,
-        .preset = "0.0005", .min = 0,
+        "fine", calibrate, image_error, .type = OPC_REAL, .flags = OPC_AT_LEAST,
+        .preset = "0.0005", .min = 5e-5,
         .summary = "largest error of the images, relative to the clear field"),
 };
 

@@ -420,6 +420,9 @@ static void test_refused(void) {
   g_assert_cmpint(opc_test_run(m, NULL, &error), ==, OPC_INVALID);
   opc_test_module_free(m);
   g_assert_cmpstr(error.parameter, ==, "margin");
+  g_assert_null(opc_test_module(
+      "calibrate", "{ litho: { " LITHO " }, fine: 1e-9 }", &error));
+  g_assert_nonnull(strstr(error.message, "'fine' must be at least 5e-05"));
   /* Drawn sizes beside a file would be ignored. */
   g_autofree char *text = g_strdup_printf(
       "{ litho: { " LITHO " }, gauges: '%s/bad.csv', drawn: lengths }",

@@ -200,15 +200,18 @@ static const opc_metric metrics[] = {
      "ratio of total Ioff to drawn total Ioff, at the worst overlay"},
 };
 
+/* Check the number of values, their order, and that all are above `above` and
+   at most 1e6 (% or nm). */
 static int check_list(const char *name, opc_reals list, size_t least,
                       double above, opc_error *error) {
+  static const double most = 1e6;
   const double *v = list.values;
   if (list.count < least || list.count > MAX_PLACES)
     return opc_fail(error, OPC_INVALID, name,
                     "'%s' must have %zu to %d values, found %zu", name, least,
                     MAX_PLACES, list.count);
   for (size_t i = 0; i < list.count; i++)
-    if (!isfinite(v[i]) || v[i] <= above)
+    if (!(v[i] > above && v[i] <= most))
       return opc_fail(error, OPC_INVALID, name, "'%s' of %g is out of range",
                       name, v[i]);
   for (size_t i = 1; i < list.count; i++)

@@ -190,6 +190,8 @@ static void test_refused(void) {
                  ".png, .svg or .pdf");
   assert_refused("{ " LITHO ", " RESIST ", defocus: [0 nm], margin: 1 nm }", &l,
                  "expected at least 300 nm");
+  assert_refused("{ " LITHO ", " RESIST ", overlay_x: [1e300 nm] }", &l,
+                 "out of range");
   l.gates.count = 0;
   assert_refused("{ " LITHO ", " RESIST ", defocus: [0 nm] }", &l,
                  "no transistors");
