@@ -177,7 +177,7 @@ static int divide_outline(correct *c, int32_t top, double transistors,
    transistor, in a file. Memories have two polygons of poly per transistor. */
 static const struct {
   double start, start_fine, class, record, transistors;
-} memory = {130e6, 175e6, 1300, sizeof(eda_chip_gate), 0.5};
+} memory = {130e6, 175e6, 1900, sizeof(eda_chip_gate), 0.5};
 
 static int is_accurate(const correct *c) {
   const eda_litho *litho = c->with.litho->functions;

@@ -509,7 +509,7 @@ static void test_sample(void) {
   eda_layout_free(d.layout);
   d = irregular(140);
   double more = memory_of(&d, "environments") - by;
-  g_assert_cmpfloat(fabs(more / (21000 * 1328.0) - 1), <, 0.1);
+  g_assert_cmpfloat(fabs(more / (21000 * 1928.0) - 1), <, 0.1);
   eda_layout_free(d.layout);
 }
 
