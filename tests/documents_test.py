@@ -206,8 +206,19 @@ def try_site(report):
     report.record("site", faults)
 
 
+def try_requirements(report):
+    """Flows that end in a mask require that the mask breaks no more mask rules than the drawing."""
+    missing = []
+    for name in ("chip", "demo", "dpb", "epe", "given", "newton", "window", "scanners/correct"):
+        with open(os.path.join(ROOT, "flows", name + ".yaml")) as f:
+            if "mask.mask_violations_added: 0\n" not in f.read():
+                missing.append(name)
+    report.record("shipped flows require masks without added violations", ", ".join(missing))
+
+
 def main():
     report = Report()
+    try_requirements(report)
     try_flows(report)
     try_links(report)
     try_site(report)
