@@ -144,6 +144,21 @@ def test_parameter():
     assert set(ran(folder)) == {"a", "d"} and os.path.exists(folder + "/other.txt")
 
 
+def test_other_processor():
+    """A processor without AVX2 and FMA does not reuse results, whose last bits would differ."""
+    qemu = shutil.which("qemu-x86_64")
+    if not qemu or os.uname().machine != "x86_64":
+        return "no qemu-x86_64"
+    env = dict(os.environ, OPCFLOW_STORE=os.path.abspath("store"))
+    for name, processor in (("new", "Haswell"), ("same", "Haswell"), ("old", "Nehalem")):
+        done = subprocess.run([qemu, "-cpu", processor, OPCFLOW, "run", "chain.yaml", "--quiet", "--output",
+                               "runs/" + name], capture_output=True, text=True, env=env)
+        if "Sanitizer" in done.stderr:
+            return "a sanitized program cannot be emulated"
+        assert done.returncode == 0, done.stderr
+    assert ran("runs/same") == {} and set(ran("runs/old")) == ALL, ran("runs/old")
+
+
 def test_told_apart():
     """Test an explicit default value, another output of the same step, and a value of a map."""
     write("chain.yaml", """opcflow: 1
