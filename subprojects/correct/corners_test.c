@@ -201,8 +201,8 @@ static void check_figures(const loop *l, const double *weight, double bias) {
 static void test_figures(void) {
   loop l;
   opc_error error = {0};
-  double weight[ALL], sum = 0;
-  for (size_t k = 0; k < ALL; k++) sum += weight[k] = (double)(k % 5);
+  double weight[ALL];
+  for (size_t k = 0; k < ALL; k++) weight[k] = (double)(k % 5);
   wanted_bias = -6;
   g_assert_false(run_step(&l, &with_focus, corners_weights(weight), 0, &error));
   check_figures(&l, weight, -6);

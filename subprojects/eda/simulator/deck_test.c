@@ -165,8 +165,8 @@ static void test_twice(void) {
   assert_refused(".model m nmos vto=1\n.model M nmos vto=2\n", -1, "2:8",
                  "'M' is defined twice, first at ");
   static const char *const good[] = {
-      ".subckt a x\n.model m r r=1\n.ends\n"
-      ".subckt b x\n.model m r r=2\n.ends\n.model m r r=3\n",
+      (".subckt a x\n.model m r r=1\n.ends\n"
+       ".subckt b x\n.model m r r=2\n.ends\n.model m r r=3\n"),
       ".if (1)\n.model m r r=1\n.else\n.model m r r=2\n.endif\n",
       ".model m.1 nmos lmin=1\n.model m.2 nmos lmin=2\n"};
   for (size_t i = 0; i < G_N_ELEMENTS(good); i++) free(taken(good[i]));
