@@ -412,7 +412,7 @@ static size_t slices_drop_one(const slices *s, size_t moments,
     if (width[slice[i]] < width[slice[least]]) least = i;
   size_t first = least < moments / 2 ? 0 : least - moments / 2;
   if (first + moments + 1 > left) first = left - moments - 1;
-  double idle[MOMENTS + 1], step = INFINITY;
+  double idle[MOMENTS + 1] = {0}, step = INFINITY;
   slices_null_vector(s, moments, slice + first, idle);
   double sign = idle[least - first] > 0 ? -1 : 1;
   for (size_t j = 0; j <= moments; j++) {
@@ -432,7 +432,7 @@ static int slices_reduce(const contour *c, int s, const shape *h,
                          const double sum[MOMENTS], size_t n, double *place,
                          double *width) {
   slices all = {.n = (size_t)h->size + (h->from > 0) + (h->to < 1)};
-  double at[PLACES], length[PLACES], share[PLACES];
+  double at[PLACES], length[PLACES], share[PLACES] = {0};
   size_t slice[PLACES] = {0}, left = all.n;
   if (left <= n) return 0;
   slices_choose(c, s, h, all.n, all.n / 4, at, share, length);
