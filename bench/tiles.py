@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Measure the correction by classes of logic without repetition: copies of c7552, in
-which the cells of each row have a random order. Reports processor time, time per
-transistor, peak memory, and the forecast over the peak. TILES: numbers of copies.
-Needs the Python module klayout and OPCFLOW_TEST_DATA."""
+which the cells of each row have a random order. Report processor time, s; processor
+time per transistor, ms; peak memory, MB; and the ratio of the forecast to the peak. The
+environment variable TILES lists the numbers of copies. Requires the Python module
+klayout and OPCFLOW_TEST_DATA."""
 import json
 import os
 import random
@@ -20,7 +21,8 @@ TRANSISTORS = 7858  # of c7552
 
 
 def write_tiles(path, count):
-    """Write `count` copies of c7552 in a square. The first copy is not changed."""
+    """Write `count` copies of c7552 in a grid of about equal rows and columns. The cells of
+    the first copy keep their order."""
     layout = db.Layout()
     layout.read(DATA + "/iscas85/c7552/c7552.gds")
     top = layout.cell("c7552")
@@ -50,7 +52,8 @@ def write_tiles(path, count):
 
 
 def measure(count):
-    """Return the processor time, s, the peak memory and the forecast, MB."""
+    """Correct `count` copies with one thread and fast simulations. Return the processor
+    time, s, the peak memory, MB, and the forecast of memory, MB."""
     write_tiles("tiled.gds", count)
     words = [SOURCE + "/flows/chip.yaml", "--variant", "cheap", "--set", "layout.file=tiled.gds",
              "--set", "layout.scale=1.3", "--threads", "1"]

@@ -207,7 +207,7 @@ def try_site(report):
 
 
 def try_requirements(report):
-    """Flows that end in a mask require that the mask breaks no more mask rules than the drawing."""
+    """Test that flows whose result is a mask allow no violations of mask rules beyond the drawing."""
     missing = []
     for name in ("chip", "demo", "dpb", "epe", "given", "newton", "window", "scanners/correct"):
         with open(os.path.join(ROOT, "flows", name + ".yaml")) as f:

@@ -227,8 +227,8 @@ static void test_dangling(void) {
                    "crashed in plugin '%s': segmentation fault\n");
 }
 
-/* A plugin that damages the heap is among the suspects of the crash, which
-   occurs in another plugin when the run has ended. */
+/* A plugin damages the heap; another plugin crashes when it frees the block at
+   the end of the run. The message lists the first plugin. */
 static void test_heap(void) {
 #ifdef __SANITIZE_ADDRESS__
   g_test_skip("the sanitizer reports the fault first");

@@ -159,7 +159,7 @@ static void test_visit(void) {
 /* ---- queries of the step ---- */
 
 /* An axis is used if a requested step, or a step that provides its input, has
-   a value of the axis; without requests, all steps are. */
+   a value of the axis. Without requests, all axes are used. */
 static void test_queries(void) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   g_autoptr(opc_flow) flow =
@@ -194,8 +194,8 @@ static void test_queries(void) {
   g_assert_nonnull(strstr(error.message, "did you mean 'sum'?"));
 }
 
-/* Names of files in resolved flows do not depend on the current folder. Lists
-   are sources of the inner flow, whose checksums a run records. */
+/* Resolved flows contain absolute names of files. Files with lists of cases are
+   sources of the inner flow; a run records the checksums of sources. */
 static void test_absolute(void) {
   g_autoptr(opc_problems) problems = opc_problems_new();
   write_file("lists/all.yaml", "u: { a.whole: 1 }\nv: { a.whole: 2 }\n");
@@ -235,7 +235,8 @@ static void write_nest(const char *name, const char *inner) {
   write_file(name, text);
 }
 
-/* An experiment can run experiments, but those run no further ones. */
+/* An experiment can run experiments; the inner experiments cannot run further
+   experiments. */
 static void test_depth(void) {
   g_autoptr(opc_problems) good = opc_problems_new();
   g_autoptr(opc_problems) bad = opc_problems_new();

@@ -260,9 +260,10 @@ static void test_stopped_sweep(void) {
 
 /* ---- the flow of a step ---- */
 
-/* Two cases and two methods: the table has the sums of each run, and its
-   manifest the checksum of the flow. Three of the sums are too large. The files
-   of the third method, which fails, are removed. The third case has none. */
+/* Three cases and three methods; all runs of the third case or method fail. The
+   table has a row for each run. Each successful run writes its sum, and its
+   manifest has the checksum of the flow. Three of the four sums violate the
+   requirement. Failed runs leave no folder. */
 static void test_inner_flow(void) {
   trial t = {.options = {.output = "outer"}};
   put_text("inner.yaml",

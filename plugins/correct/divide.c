@@ -18,9 +18,9 @@ static const struct {
     .least = 1000,
 
     /* Largest number of polygons of poly for which `opcflow check` finds the
-       environments, in at most about a second. The forecast of `auto` is that
-       of the whole, up to `most`. For more polygons, the forecast uses a sample
-       of the environments. */
+       environments, in at most about a second, and for which the forecast of
+       `auto` is that of the whole, up to `most`. For more polygons, the
+       forecast uses a sample of the environments. */
     .searched = 20000,
 
     /* Largest number of classes per transistor for which classes take less time
@@ -172,9 +172,11 @@ static int divide_outline(correct *c, int32_t top, double transistors,
   return OPC_OK;
 }
 
-/* Measured memory of a correction by classes, bytes: libraries, kernels and
-   the fields of a sheet of a repetitive layout; a class; the record of a
-   transistor, in a file. Memories have two polygons of poly per transistor. */
+/* Measured memory of a correction by classes, bytes. `start`, `start_fine`:
+   libraries, kernels and the fields of a sheet of a repetitive layout, without
+   and with accurate simulations, two threads. `class`: a class. `record`: the
+   record of a transistor, in a file. `transistors`: number of transistors of a
+   memory per polygon of poly. */
 static const struct {
   double start, start_fine, class, record, transistors;
 } memory = {130e6, 175e6, 1900, sizeof(eda_chip_gate), 0.5};
@@ -184,8 +186,8 @@ static int is_accurate(const correct *c) {
   return c->with.fine > 0 && litho->image_fine;
 }
 
-/* Return the side of a clip without gaps, grid steps: a layout is bisected
-   until the parts fit into a window. */
+/* Return the side of a clip with its margins, grid steps. `side`: of the
+   layout, which is bisected until the parts fit into a window. */
 static double divide_clip(const correct *c, double side) {
   double whole = side * c->grid;
   while (side * c->grid > c->window) side /= 2;
@@ -193,8 +195,8 @@ static double divide_clip(const correct *c, double side) {
 }
 
 /* Return the memory of a sheet, bytes. `all`: outline of the layout;
-   `repeated`: 1: sheets contain few clips. A layout that fits on a sheet is
-   simulated as a whole. */
+   `repeated`: 1: environments repeat, so that sheets contain few clips. A
+   layout that fits on a sheet is simulated as a whole. */
 static double divide_sheet(const correct *c, const eda_gates *all, int repeated,
                            divide_whole *whole) {
   eda_gates g = *all;
@@ -211,7 +213,8 @@ static double divide_sheet(const correct *c, const eda_gates *all, int repeated,
   return fmin(one.memory, is_accurate(c) ? memory.start_fine : memory.start);
 }
 
-/* Estimate the number of classes per transistor from a sample of windows. */
+/* Estimate the number of classes per transistor from a sample of windows; 0
+   if the sample has no transistors. */
 static int divide_sample(correct *c, double *share, opc_error *error) {
   classes_request r = divide_request(c);
   division *d;

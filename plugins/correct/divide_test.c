@@ -318,8 +318,8 @@ static void test_ties(void) {
 
 /* ---- line ends ---- */
 
-/* Return n transistors, each in a cell; of every third one, poly extends by
-   1 nm beyond the active, and is 40 nm long instead of 65 nm. */
+/* Return n transistors, each in a cell. In every third transistor, poly extends
+   by 1 nm beyond the active, not by 140 nm, and L is 40 nm, not 65 nm. */
 static drawing line_ends(int n) {
   opc_error error;
   drawing d = {.layout = eda_layout_new(1, &error)};
@@ -338,8 +338,8 @@ static drawing line_ends(int n) {
   return d;
 }
 
-/* Correct four transistors. Receive their flags and deviations of Ion, %, from
-   left to right. */
+/* Correct four transistors. flags[i] and off[i] receive the flags and the
+   deviation of Ion, %, of transistor i from the left. */
 static void line_ends_correct(const char *divide, const char *more,
                               uint32_t flags[4], double off[4]) {
   drawing d = line_ends(4);
@@ -360,8 +360,8 @@ static void line_ends_correct(const char *divide, const char *more,
   eda_layout_free(d.layout);
 }
 
-/* All ways to divide a layout agree which transistors with short line ends
-   print, and on the currents. Without a regulator, they do not print. */
+/* The whole, environments and cells lead to the same flags and about the same
+   currents. Transistors with short line ends print with a regulator only. */
 static void test_line_ends(void) {
   static const char *const more[] = {"", REGULATOR};
   for (size_t r = 0; r < G_N_ELEMENTS(more); r++) {
@@ -380,7 +380,7 @@ static void test_line_ends(void) {
   }
 }
 
-/* A layout of which nothing prints has no worst deviation. */
+/* If no transistor prints, the finding states no worst deviation. */
 static void test_nothing(void) {
   drawing d = line_ends(1);
   opc_module *m = make_sample(
@@ -500,8 +500,9 @@ static drawing irregular(int rows) {
   return d;
 }
 
-/* A sample of a large layout shows whether environments repeat: `auto` needs
-   the memory of the whole where few do, and each class needs memory. */
+/* The forecast of a large layout uses a sample. If few environments repeat,
+   `auto` requires the memory of the whole; by classes, each class and record
+   requires memory. */
 static void test_sample(void) {
   drawing d = irregular(70);
   double whole = memory_of(&d, "whole"), by = memory_of(&d, "environments");
@@ -531,7 +532,8 @@ static void test_forecast(void) {
   g_assert_cmpfloat(memory_of(&d, "whole"), >, 1e10);
   g_assert_true(memory_of(&d, "auto") == memory_of(&d, "environments"));
   eda_layout_free(d.layout);
-  /* The sheet of a row or column has the size of the window. */
+  /* A row or column longer than the window: the memory of a sheet does not
+     depend on the length of the row. */
   for (int k = 0; k < 2; k++) {
     drawing line = drawing_new();
     for (int i = 0; i < 20; i++)

@@ -144,7 +144,8 @@ typedef struct arrivals {
 arrivals static_arrivals(const graph *g, const state *s, double slew,
                          eda_pool *pool);
 
-/* Log a finding if gates switch at slews or loads so far beyond their tables
-   that the extrapolated delays are inaccurate. `slew`: of the inputs, s. */
+/* Log a finding if a slew at the inputs of a gate, or a load, exceeds the
+   timing tables of the cell so far that the extrapolated delay is inaccurate.
+   `slew`: slew at the inputs of the circuit, s. */
 void log_extrapolated(const opc_host *host, const graph *g, const state *s,
                       double slew);

@@ -316,9 +316,8 @@ static void test_line_end(void) {
   opc_test_module_free(loop);
 }
 
-/* Values of other units than V and V um: all chips would be without leakage, or
-   have an infinite one. Without delays, a clock or an SDF file would be
-   ignored. */
+/* Values of `mismatch` in a wrong unit: the leakage of all chips would be 0 or
+   infinite. Without `delays`, `clock` and `sdf` would be ignored. */
 static void test_run_refused(void) {
   static const char *const bad[][2] = {
       {"mismatch: { vt: 4 V }", "mismatch.vt"},

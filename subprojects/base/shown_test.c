@@ -70,7 +70,8 @@ static const cli_option options[] = {
     {"item", "several texts", "TEXT", .list = &list},
     {0}};
 
-/* Read the options of a line, which ends at the first refused one. */
+/* Read the options of a line until the first refused option. Return TRUE if
+   none is refused. */
 static gboolean take_options(const char *line) {
   static GStrv words; /* the values are parts of the words */
   const cli_option *const tables[] = {options, NULL};
@@ -172,7 +173,7 @@ static void write_width(void) {
   }
 }
 
-/* Files have no width. */
+/* Without a positive COLUMNS, output to a file has no width. */
 static void test_width(void) {
   g_autofree char *found = output_of(write_width);
   g_assert_cmpstr(found, ==, "80\n-1\n-1\n--\n");

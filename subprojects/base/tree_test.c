@@ -16,7 +16,7 @@ static opc_node *tree_parse(const char *text) {
   return node;
 }
 
-/* Check all problems of a text; `length` as in g_file_set_contents. */
+/* Check the problems of a text of `length` bytes; -1: up to the zero. */
 static void expect_faults(const char *text, gssize length,
                           const char *expected) {
   static const opc_source file = {.name = (char *)"a.yaml",
@@ -68,7 +68,7 @@ static void test_not_yaml(void) {
   expect_faults("a: \0b\n", 6, "a.yaml:1:4: not YAML: a NUL byte");
 }
 
-/* Texts at the limits of node.h, and one more. */
+/* Texts at each limit of node.h, and one beyond the limit. */
 static void test_limits(void) {
   for (size_t more = 0; more < 2; more++) {
     g_autofree char *open = g_strnfill(63 + more, '[');

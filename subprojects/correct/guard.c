@@ -183,9 +183,9 @@ static double model_margin(const loop *l) {
 
 static int fault_of(const loop *l, size_t i, double margin) {
   const guard *g = &l->guard;
-  /* A transistor that keeps its mask may be worse because of its neighbours. At
-     the edge of a part of a layout, where neighbours are missing, it may not
-     print. */
+  /* A transistor that keeps its mask is no fault: it may be worse because of
+     its neighbours. At the edge of a part of a layout, where neighbours are
+     missing, the transistor may not print. */
   if (l->still && l->still[i]) return GOOD;
   if (eda_print_failed(l->measured.flags[i]))
     return eda_print_failed(g->flags[i]) ? GOOD : LOST;
@@ -200,8 +200,8 @@ static int fault_of(const loop *l, size_t i, double margin) {
 
 /* Mark new violations as faults of their transistors, unless all edges of the
    transistor have already been reverted: reverting its environment as well
-   would cause more violations. Violations without a transistor, for example of
-   mask edges, and of transistors that keep their masks are ignored. */
+   would cause more violations. Ignore violations of transistors that keep their
+   masks, and violations without a transistor, for example of mask edges. */
 static int find_broken(loop *l, opc_error *error) {
   guarded *state = l->guard.state;
   eda_violation *v = NULL;

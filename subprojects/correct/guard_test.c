@@ -311,8 +311,8 @@ static void test_surrounded(void) {
   correct_loop_clear(&l);
 }
 
-/* A transistor that keeps its mask and is opened, or violates a rule, is not a
-   reason to revert its neighbours. */
+/* A transistor keeps its mask, and then prints open or violates a rule: the
+   guard does not revert the neighbour. */
 static void test_still(void) {
   static const eda_regulator cuts = {.rule = cutout_through,
                                      .violations = violations};

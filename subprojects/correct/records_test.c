@@ -111,8 +111,8 @@ static char *neighbours_of(const eda_chip *c, size_t i) {
   return g_string_free(text, FALSE);
 }
 
-/* Rows of transistors of few sizes and masks, so that environments repeat. Rare
-   tall ones reach into the next bands. */
+/* Make rows of transistors of two heights and two masks, so that environments
+   repeat. The rare tall transistors reach into the next bands. */
 static void fill_rows(eda_chip *c) {
   g_autoptr(GRand) rand = g_rand_new_with_seed(5);
   for (int i = 0; i < GATES; i++) {
@@ -124,7 +124,7 @@ static void fill_rows(eda_chip *c) {
   }
 }
 
-/* The classes of each height of a band equal those of a comparison of all
+/* For any height of the bands, the classes equal those found by comparing all
    transistors with all others. */
 static void test_prints(void) {
   opc_error error;

@@ -58,8 +58,9 @@ static void test_touched(void) {
   free((eda_box *)begun[3].box);
 }
 
-/* Transistors whose deviation exceeds the limit in either direction, or that do
-   not print, are opened; or those that violate a rule. */
+/* correct_start_open opens for correction either the transistors that violate a
+   rule, or the transistors that do not print or whose |Ion deviation| exceeds
+   the limit. */
 static void test_open(void) {
   double ion[] = {1.01, 1.03, 0.97, 1.09, 1, 0.99, 1.03};
   double drawn[] = {1, 1, 1, 1, 1, 1, 1};

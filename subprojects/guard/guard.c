@@ -149,10 +149,10 @@ _Noreturn static void plugin_blame(const char *id, const char *what,
 
 /* ---- present plugins ---- */
 
-/* Plugins called so far, in the order of their first calls. Any of them may
-   have damaged the memory of a plugin that crashes. `id` is the pointer passed
-   to guard_enter, which may be freed after the call; NULL until `name` is
-   complete. */
+/* The first MOST_CALLED plugins, in the order of their first calls. Any of them
+   may have damaged the memory of a plugin that crashes. `id` is the pointer
+   passed to guard_enter, which may be freed after the call; `id` is NULL until
+   `name`, a copy of at most LONGEST_NAME - 1 bytes, is complete. */
 enum { MOST_CALLED = 64, LONGEST_NAME = 80 };
 static struct called {
   const char *id;

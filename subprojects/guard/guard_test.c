@@ -195,8 +195,8 @@ static void crash_after_other(void) {
   abort();
 }
 
-/* A plugin of an earlier step is a suspect, too. Its name may be freed
-   memory. */
+/* A plugin of an earlier step is listed, too, even if the memory of its name
+   has been freed. */
 static void crash_in_next_step(void) {
   char name[] = "earlier";
   guard_leave(NULL);

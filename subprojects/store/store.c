@@ -3,11 +3,10 @@
    digits of a SHA-256, 16 digits of the size of a GVariant, the GVariant, and
    the contents of files. The SHA-256 is that of the key, the type of the
    GVariant, and the remainder of the file, so that an entry under another key
-   counts as damaged. FOLDER/new/ has files being written,
-   locked by their writers. FOLDER/lock is locked while old entries are removed.
-   FOLDER/limit has the limit. FOLDER/claims is an empty file with the locks of
-   claims. FOLDER/opcflow-store is an empty file that marks the folder as a
-   store. */
+   counts as damaged. FOLDER/new/ has files being written, locked by their
+   writers. FOLDER/lock is locked while old entries are removed. FOLDER/limit
+   has the limit. FOLDER/claims is an empty file with the locks of claims.
+   FOLDER/opcflow-store is an empty file that marks the folder as a store. */
 #include <store/store.h>
 
 #include <errno.h>
@@ -23,8 +22,8 @@
 #include "private.h"
 
 static const char mark[] = "opcflow store 3\n";
-/* Beginning of the marks of formats that are not read: 1 and 2 have a SHA-256
-   without key and type. */
+/* Beginning of the marks of all formats. Formats 1 and 2, whose SHA-256 does
+   not cover key and type, are not read. */
 static const char older[] = "opcflow store ";
 enum { MARK = 16, SUM = 64, SIZE = 16, HEAD = MARK + SUM + SIZE };
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The store: values and files are returned unchanged, damage of any byte is
    detected, recently used values stay, claims exclude other processes, and
-   checksums of files are correct. Facts. */
+   checksums of files are correct. Facts are compared with earlier facts. */
 #include <store/store.h>
 
 #include <fcntl.h>
@@ -79,8 +79,8 @@ static void test_damage(void) {
     g_assert_true(
         g_file_set_contents(path, bad, (gssize)(i < n ? n : i - n), NULL));
     g_assert_false(store_has(store, "cd34.x"));
-    /* Bytes 14 and 15 are the number of the format; other formats are no
-       damage. */
+    /* Bytes 14 and 15 are the digit of the format and the line end; another
+       format is not reported as damage. */
     g_autofree char *complaint = opc_store_complaint(store);
     g_assert_cmpint(complaint && strstr(complaint, "damaged"), ==,
                     i != 14 && i != 15);

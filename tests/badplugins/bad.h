@@ -53,8 +53,8 @@ static inline void write_wildly(void *data, size_t i) {
     kept = (array);                               \
   } while (0)
 
-/* Overwrite the size of a block of the heap that the host or another plugin
-   frees. */
+/* Overwrite the size that the heap keeps before a block, which the host or
+   another plugin frees later. */
 static inline void heap_damage(const void *block) {
   ((volatile size_t *)(uintptr_t)block)[-1] = 7;
 }

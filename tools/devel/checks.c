@@ -152,7 +152,7 @@ static void check_stop(inspector *in, const char *what, const char *text) {
                    what);
 }
 
-/* A bound without its flag has no effect. */
+/* Report each bound of a parameter without its flag. */
 static void check_bounds(inspector *in, const opc_parameter *p) {
   if (p->min != 0 && !(p->flags & (OPC_AT_LEAST | OPC_ABOVE)))
     report_finding(&in->hears,

@@ -212,7 +212,8 @@ static void test_tie(void) {
   g_assert_cmpfloat(iterations[1], <=, iterations[0]);
 }
 
-/* Without line ends, no transistor prints, and the row has no meaning. */
+/* Poly that does not extend beyond the active prints no transistor: the finding
+   states that the row of the table has no meaning. */
 static void test_open(void) {
   step_characterize(
       "lengths: [65 nm], widths: [200 nm], from: 0 nm, to: 1 nm, extension: 0 "

@@ -158,8 +158,9 @@ static void test_five_crossings(void) {
   g_assert_cmpfloat(fabs(opc_test_metric("snm_right") - square), <, 0.1);
 }
 
-/* Other devices do not change a cell's margins. A mirrored cell has mirrored
-   margins. A cell that is not bistable has margin 0. */
+/* Other devices of the circuit do not change the margins of a memory cell. A
+   mirrored cell has mirrored margins. A cell that is not bistable has margin 0.
+ */
 static void test_cells(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");

@@ -474,7 +474,8 @@ static int hopkins_check(void *self, opc_error *error) {
                     "of kernels, or the error that determines the number");
   if (!code && h->fixed > PLANE_MOST && !optics_is_radial(&h->optics))
     code = opc_fail(error, OPC_INVALID, "kernels",
-                    "'kernels' is %lld; this source and pupil have at most %d",
+                    "'kernels' is %lld, expected at most %d for this source "
+                    "and pupil",
                     (long long)h->fixed, PLANE_MOST);
   size_t listed = h->optics.points.count / 3, parts = vector_parts(&h->optics);
   if (code || listed * parts <= MOST_LISTED) return code;

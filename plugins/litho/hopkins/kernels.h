@@ -9,7 +9,7 @@
 
 #include "../vector.h"
 
-/* Largest number of kernels of plane_new. */
+/* Largest number of kernels that plane_new computes. */
 enum { PLANE_MOST = 120 };
 
 /* Kernels of a T, and the functions of their representation. */
@@ -49,7 +49,7 @@ struct kernels {
 kernels *radial_new(const opc_context *context, const optics *o, double defocus,
                     int real, double error);
 
-/* Return kernels of any source and pupil, at most PLANE_MOST. `defocus`, nm, is
+/* Return at most PLANE_MOST kernels of any source and pupil. `defocus`, nm, is
    added to optics.defocus. On failure, return NULL and set *error. Free with
    kernels.free. */
 kernels *plane_new(const opc_context *context, const optics *o, double defocus,

@@ -54,7 +54,7 @@ static int window_run(void *self, void **outputs, opc_error *error) {
                     "'overlay_x' and 'overlay_y' require an 'extractor'");
   if (w->margin == 0)
     w->host->log(w->host, OPC_LOG_INFO,
-                 "margin 0 nm: the layout is the period of a pattern");
+                 "margin 0 nm: the layout is one period of a pattern");
   else if (correct_fine_margin(w->host, w->litho, 0, &w->margin, error))
     return error->code;
   w->nominal_dose = nearest_to_0(w->dose);
@@ -146,8 +146,8 @@ static const opc_parameter parameters[] = {
                              "transistor inside the window"),
     OPC_PARAMETER(window, margin, .type = OPC_REAL, .flags = OPC_AT_LEAST,
                   .unit = "nm", .follows = "3.886 lambda/NA", .min = 0,
-                  .summary = "clear field around the layout; the image is "
-                             "periodic, 0: the layout is a period"),
+                  .summary = "clear field around the layout; 0: the layout is "
+                             "one period of a pattern"),
     OPC_PARAMETER(window, cut_lines, .type = OPC_BOOL, .preset = "false",
                   .summary = "write a table of the lengths of every gate"),
     OPC_PARAMETER(window, file, .type = OPC_OUTPUT,
@@ -200,8 +200,8 @@ static const opc_metric metrics[] = {
      "ratio of total Ioff to drawn total Ioff, at the worst overlay"},
 };
 
-/* Check the number of values, their order, and that all are above `above` and
-   at most 1e6 (% or nm). */
+/* Check that a list has `least` to MAX_PLACES increasing values, all above
+   `above` and at most 1e6, in the unit of the parameter (% or nm). */
 static int check_list(const char *name, opc_reals list, size_t least,
                       double above, opc_error *error) {
   static const double most = 1e6;
@@ -212,8 +212,10 @@ static int check_list(const char *name, opc_reals list, size_t least,
                     MAX_PLACES, list.count);
   for (size_t i = 0; i < list.count; i++)
     if (!(v[i] > above && v[i] <= most))
-      return opc_fail(error, OPC_INVALID, name, "'%s' of %g is out of range",
-                      name, v[i]);
+      return opc_fail(error, OPC_INVALID, name,
+                      "'%s' of %g is out of range, expected more than %g and "
+                      "at most %g",
+                      name, v[i], above, most);
   for (size_t i = 1; i < list.count; i++)
     if (!(v[i] > v[i - 1]))
       return opc_fail(error, OPC_INVALID, name,

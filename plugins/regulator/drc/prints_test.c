@@ -65,8 +65,8 @@ static void test_near_neighbour(void) {
   chip_end(&c);
 }
 
-/* The whole spacing to a shape of another layer that does not move is
-   available: 6 nm. */
+/* Beside a shape of another layer that needs no repair, a repair shape ends at
+   min_space: the drawn spacing of 46 nm less 40 nm allows 6 nm. */
 static void test_near_other_layer(void) {
   for (int layer = EDA_POLY; layer <= EDA_ACTIVE; layer++) {
     g_autoptr(opc_module) m = drc_make("{ overlay: 10 nm, min_space: 40 nm }");
@@ -285,8 +285,9 @@ static void test_neck(void) {
   chip_end(&c);
 }
 
-/* A neck that does not print wider: the repair shapes end at max_growth, or
-   at a neighbour 46 nm away on one or both sides. */
+/* The repair does not widen the printed neck: the repair shapes end at
+   max_growth or, with a neighbour at a distance of 46 nm on one or both sides,
+   at min_space. */
 static void test_stuck_neck(void) {
   for (int k = 0; k < 4; k++) {
     g_autoptr(opc_module) m =

@@ -19,9 +19,9 @@ enum { AT_ONCE = 8, SAMPLE = 8, BEYOND = 2000 };
 typedef struct scan {
   work *work;
   size_t columns, rows;
-  size_t every; /* windows 0, every, 2 every, ... are searched */
+  size_t every; /* one of `every` windows is searched; 1: all windows */
   char key[32];
-  /* Transistors of the present row of windows. */
+  /* Transistors of the present row of windows, not yet in the chip. */
   found *found;
   size_t count, capacity, row;
   GHashTable *classes; /* maps a checksum to the class number + 1 */
@@ -173,7 +173,8 @@ static int take_some(void *data, size_t part, const void *bytes, size_t size,
 /* ---- list of work units ---- */
 
 /* Return the key of a stored result; all other dependencies are inputs of the
-   step. A sample finds other transistors, in other orientations. */
+   step. A sample has other keys, because it searches other windows and does
+   not determine the equivalent orientations. */
 static const char *key_of(void *data, size_t part) {
   scan *s = data;
   (void)snprintf(s->key, sizeof s->key, "%s%zu",

@@ -27,10 +27,10 @@ static const struct {
     .split = 0.5,
 
     /* Number of classes per transistor beyond which groups are split at
-       `ion_limit`: most groups then have one transistor, which was corrected
-       where it is. Correcting it again disturbs its neighbours: in logic of
-       15,716 transistors, 61 corrections let 166 others exceed half of 0.5 %.
-     */
+       `ion_limit`: most groups then have one transistor, which has already
+       been corrected in place. A second correction disturbs its neighbours: in
+       logic of 15,716 transistors, after 61 second corrections, 166 other
+       transistors exceeded half of an `ion_limit` of 0.5 %. */
     .distinct = 0.5,
 };
 

@@ -139,10 +139,11 @@ static inline double ion_deviation(uint32_t flags, double ion, double drawn) {
 double print_deviation(const class_result *print);
 /* Return the |Ion deviation|, %, below which a new mask replaces the mask of a
    transistor; NAN: the mask is not refined. A print is refined if it violates a
-   rule, or if it deviates by more than a part of `ion_limit`. With `max_diff`,
-   the limit is the deviation in the cell plus `max_diff` (thesis eq. 4.1). */
+   rule, or if it deviates by more than mask_limit. */
 double print_beyond(const work *work, const eda_chip_gate *gate);
-/* Return the |Ion deviation|, %, beyond which a mask is refined. */
+/* Return the |Ion deviation|, %, beyond which a mask is refined: `ion_limit` or
+   a part of it. With `max_diff`, the limit is the deviation in the cell plus
+   `max_diff` (thesis eq. 4.1). */
 double mask_limit(const work *work, uint32_t mask);
 /* Return 1 if a refinement with `max_diff` starts from the present masks, so
    that only transistors beyond their limits get another mask. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Calls of faulty plugins: each array that a plugin writes is left on both
-   sides. All tests also run in a process with guard pages. */
+/* Calls of faulty plugins, which write one byte before or beyond each of their
+   arrays. All tests also run in a process with guard pages. */
 #include <eda/check.h>
 #include <eda/memory.h>
 #include <eda/print.h>
@@ -18,7 +18,7 @@
 
 enum { NONE = 99, GATES = 2, LAYERS = 2, MOST = 3 };
 static int at_fault,
-    before_it;           /* array that a plugin leaves; 1: at its start */
+    before_it;           /* array beside which a plugin writes; 1: before it */
 static const char *text; /* verdict or name of a rule */
 static size_t violations = 5;
 static int fails; /* 1: the synthesizer reports an error */
@@ -133,7 +133,7 @@ static const opc_module resist = {&printing, NULL, "resist.printing"};
 
 /* ---- tests ---- */
 
-/* Check the fault of a call that left an array on one side. */
+/* Check the error of a call that wrote before or beyond `array`. */
 static void expect_left(int code, const char *array, const opc_error *error) {
   if (at_fault == NONE) {
     g_assert_cmpint(code, ==, OPC_OK);
@@ -213,7 +213,8 @@ static void try_rule(int good) {
 
 static void test_rule(void) { each_fault(4, try_rule); }
 
-/* The list has MOST of more violations. */
+/* The plugin finds more violations than the MOST for which the list has
+   capacity. */
 static void try_violations(int good) {
   const eda_printed printed = {.gates = eda_gates_sample()};
   eda_violation list[MOST] = {{0}};
@@ -230,7 +231,7 @@ static void try_violations(int good) {
   }
 }
 
-/* Texts are copied, and refused if they are no text. */
+/* Texts are copied. Texts that are too long or not UTF-8 are refused. */
 static void test_texts(void) {
   char word[300] = "sound";
   const char *verdict;
@@ -294,8 +295,8 @@ static void test_extract(void) {
   each_fault(1, try_slice);
 }
 
-/* A resist may change the values in place or replace them; other values than
-   the lent ones have no guard words. */
+/* A resist may change the values in place or replace the array. An array that
+   the resist allocates has no guard words. */
 static void test_print(void) {
   for (int layer = 0; layer < 2; layer++)
     for (int good = 0; good < 2; good++) {

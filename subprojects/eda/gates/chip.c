@@ -13,21 +13,23 @@
 
 /* ---- records in a file ---- */
 
-/* /tmp is in memory on many systems. */
+/* Return the folder of temporary files. The default is not /tmp, which is in
+   memory on many systems. */
 static const char *file_folder(void) {
   const char *given = g_getenv("TMPDIR");
   return given && *given ? given : "/var/tmp";
 }
 
 static int file_fail(int fault, size_t size, opc_error *error) {
-  return opc_fail(error, OPC_IO, NULL,
-                  "'%s': cannot keep a temporary file of %zu bytes with the "
-                  "records of transistors: %s; set TMPDIR to another folder",
-                  file_folder(), size, g_strerror(fault));
+  return opc_fail(
+      error, OPC_IO, NULL,
+      "'%s': cannot allocate a temporary file of %zu bytes with the "
+      "records of transistors: %s; set TMPDIR to another folder",
+      file_folder(), size, g_strerror(fault));
 }
 
-/* Create the file without a name: the system removes the file when the process
-   ends. */
+/* Create the file and remove its name: the system frees the space when the
+   file is closed or the process ends. */
 static int file_open(eda_chip *c, size_t size, opc_error *error) {
   g_autofree char *path =
       g_build_filename(file_folder(), "opcflow-XXXXXX", NULL);

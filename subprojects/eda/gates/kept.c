@@ -16,7 +16,7 @@ typedef struct stream {
   FILE *file;
   int writing, failed;
   uint64_t left;  /* bytes not yet read */
-  opc_error full; /* code != OPC_OK: no space for the records of a chip */
+  opc_error full; /* code != OPC_OK: no space for a chip's records */
 } stream;
 
 /* ---- bytes ---- */

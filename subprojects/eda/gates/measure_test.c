@@ -235,8 +235,8 @@ static double modelled_from(const void *self, int type, const char *flavour) {
   return 66.5;
 }
 
-/* Slices of two gates of the same print, of which the second represents three
-   transistors. Lengths are known in closed form. */
+/* Slices of two gates with equal contours; the second gate represents three
+   transistors. The lengths are known in closed form. */
 static void test_short_slices(void) {
   const double a = -wave(30), taper = 0.005, half = 145;
   static const eda_extractor functions = {
@@ -316,8 +316,8 @@ static void test_section(void) {
                         1e-6);
       g_assert_cmpfloat(fabs(s.high - k * sin(k * 10) / (2 + cos(k * 10))), <,
                         1e-6);
-      /* The search for the edge of poly ends at half the space: 5 + 35 + 100 is
-         the place of the upper end, -5 - 35 - 95 that of the lower. */
+      /* The search for the edges of poly ends at half the space of 200 nm
+         beyond the box: at -30 - 100 = -130 nm and 40 + 100 = 140 nm. */
       for (int less = 0; less < 2; less++) {
         eda_field wide = level(-wave(129 + 2 * less), along_x, !along_x);
         s = eda_gate_section(&gates, 0, layer, &wide, &image);
@@ -333,8 +333,8 @@ static void test_section(void) {
     }
 }
 
-/* Statistics of gates with counts are those of the list with each transistor
-   once. */
+/* Statistics of gates with counts equal those of a list that repeats each gate
+   as often as its count. */
 static void test_spread(void) {
   enum { GATES = 6 };
   static uint8_t type[GATES] = {EDA_NMOS, EDA_NMOS, EDA_PMOS,

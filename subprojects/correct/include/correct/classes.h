@@ -34,8 +34,9 @@ typedef struct classes_request {
   double margin;  /* nm, range of optical interaction */
   double window;  /* side of the squares in which the layout is read, nm */
   int64_t rounds; /* largest number of rounds in which classes are split */
-  int sample;     /* 1: find the transistors of at most 16 windows, spread over
-                     the layout, to estimate the number of classes */
+  int sample;     /* 1: find the transistors of at most 15 windows, spread over
+                     the layout, to estimate the number of classes; 0: of all
+                     windows */
   classes_cells cells;
 } classes_request;
 
@@ -54,10 +55,11 @@ OPC_EXPORT double correct_classes_margin(const correct_settings *with,
 /* A layout, divided into classes. */
 typedef struct division division;
 
-/* Find all transistors of the layout and their classes of equal drawn
-   environments; prepare the models. A sample can have no transistors, needs no
-   models, and is not corrected. Free *out with correct_classes_free, also after
-   an error. Returns OPC_INVALID if there are no transistors. */
+/* Find all transistors of the layout, or of a sample of windows, and their
+   classes of equal drawn environments. Prepare the models, except for a sample,
+   which cannot be corrected. The caller frees *out with correct_classes_free,
+   also after an error. Return OPC_OK, or another code and *error; OPC_INVALID
+   if the whole layout has no transistors. */
 OPC_EXPORT int correct_classes_find(const classes_request *request,
                                     division **out, opc_error *error);
 /* Free a divided layout. */

@@ -55,10 +55,11 @@ typedef struct eda_chip {
   size_t layers;       /* number of layers, as in eda_gates */
   char **layer;        /* names; freed with free() */
   uint8_t *corrected;  /* 1: corrected layer; eda_chip_free frees this and all
-                          further arrays by free() */
+                          further arrays by free(), except `gate` in a file */
   size_t count;        /* number of transistors */
-  eda_chip_gate *gate; /* ordered by lowest, then leftmost corner; from
-                          eda_chip_reserve or eda_alloc */
+  eda_chip_gate *gate; /* ordered by lowest, then leftmost corner; made
+                          by eda_chip_reserve, or by eda_alloc where
+                          `capacity` is 0 */
   size_t masks;        /* elements of `mask` */
   size_t prints;       /* number of classes */
   size_t parts, boxes; /* elements of `part`, and of `box` */
@@ -76,8 +77,8 @@ typedef struct eda_chip {
   /* 1: masks are those of cells alone, whose drawn edges can be rounded to the
      grid differently than in the layout. */
   int placed;
-  /* Capacity of the file of `gate` in transistors, 0: no file; and the
-     descriptor of the file (eda_chip_reserve). */
+  /* Capacity of the file of `gate`, transistors (0: no file), and descriptor of
+     the file; set by eda_chip_reserve. */
   size_t capacity;
   int file;
 } eda_chip;
@@ -88,11 +89,14 @@ typedef struct eda_chip {
 OPC_EXPORT void eda_chip_free(eda_chip *chip);
 OPC_EXPORT int eda_chip_check(const eda_chip *chip, opc_error *error);
 
-/* Set the capacity of `gate` to at least `count` transistors. The records are
-   in an unnamed file in the folder TMPDIR (if not set: /var/tmp), which is
-   mapped into memory. The system reads and writes the records in use, so that
-   memory does not limit their number. Existing records remain; `gate` may move.
-   Return OPC_OK, or OPC_IO and *error. [main] */
+/* Set the capacity of `gate` to at least `count` transistors. `gate` is NULL or
+   made by this function. The records are in an unnamed file in the folder
+   TMPDIR (environment; if not set: /var/tmp), which is mapped into memory.
+   Memory does not limit the number of records, because the system reads and
+   writes the records in use. Existing records remain, also after an error;
+   `gate` may move; new records are zeroed. eda_chip_free closes the file.
+   Return OPC_OK, or OPC_IO and *error if the folder cannot be written or has no
+   space. [main] */
 OPC_EXPORT int eda_chip_reserve(eda_chip *chip, size_t count, opc_error *error);
 
 /* Make a mask by classes, which owns the chip. The mask has a gate for each

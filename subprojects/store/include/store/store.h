@@ -38,11 +38,11 @@ const char *opc_store_folder(const opc_store *store);
    is reported. */
 char *opc_store_complaint(opc_store *store);
 
-/* Return the value under `key` (g_variant_unref); NULL if missing, damaged,
-   stored under another key, or of another type than `type`. Such a value is
-   removed.
-   `key` begins with two hexadecimal digits, has at least one more character,
-   and may have a suffix. */
+/* Return the value under `key` (g_variant_unref), or NULL if there is none. A
+   file that is damaged, in another format, stored under another key, or of
+   another type than `type` is removed and counts as missing. `key` begins with
+   two hexadecimal digits, has at least one more character, and may have a
+   suffix. */
 GVariant *opc_store_get(opc_store *store, const char *key,
                         const GVariantType *type);
 
