@@ -172,13 +172,13 @@ static int take_some(void *data, size_t part, const void *bytes, size_t size,
 
 /* ---- list of work units ---- */
 
-/* Return the key of a stored result; all other dependencies are inputs of the
-   step. A sample has other keys, because it searches other windows and does
-   not determine the equivalent orientations. */
+/* Return the key of a stored result; all dependencies are inputs of the step.
+   Results of a sample are not kept: it searches other windows and does not
+   determine the equivalent orientations. */
 static const char *key_of(void *data, size_t part) {
   scan *s = data;
-  (void)snprintf(s->key, sizeof s->key, "%s%zu",
-                 s->work->sample ? "sample " : "", part);
+  if (s->work->sample) return NULL;
+  (void)snprintf(s->key, sizeof s->key, "%zu", part);
   return s->key;
 }
 
