@@ -51,8 +51,6 @@ int divide_check_settings(const correct *c, opc_error *error) {
     return conflict("also", "requires 'layout'", error);
   if (!c->verify && c->divide != DIVIDE_CELLS)
     return conflict("verify", "of 'false' requires 'divide: cells'", error);
-  if (c->neighbours && c->divide != DIVIDE_CELLS)
-    return conflict("neighbours", "requires 'divide: cells'", error);
   if (c->radius > c->window)
     return opc_fail(error, OPC_INVALID, "radius",
                     "'radius' is %.4g nm, expected at most 'window', %.4g nm",
@@ -349,6 +347,10 @@ static int divide_find(correct *c, divide_whole *whole, division **d,
 
 int divide_run(correct *c, divide_whole *whole, void **outputs, int *by_classes,
                opc_error *error) {
+  /* Not an error: comparisons of 'divide' have one setting for all. */
+  if (c->neighbours && c->divide != DIVIDE_CELLS)
+    c->host->log(c->host, OPC_LOG_FINDING,
+                 "'neighbours' has no effect without 'divide: cells'");
   division *d;
   int code = divide_find(c, whole, &d, error);
   *by_classes = d != NULL;

@@ -380,17 +380,19 @@ static void test_line_ends(void) {
   }
 }
 
-/* If no transistor prints, the finding states no worst deviation. */
+/* If no transistor prints, the finding states no worst deviation. A setting of
+   another way to divide is a finding. */
 static void test_nothing(void) {
   drawing d = line_ends(1);
-  opc_module *m = make_sample(
-      "correct",
-      CHEAP ", top: TOP, margin: 1000 nm, divide: whole, max_iterations: 1");
+  opc_module *m = make_sample("correct", CHEAP
+                              ", top: TOP, margin: 1000 nm, divide: whole, "
+                              "neighbours: outline, max_iterations: 1");
   opc_test_input(m, "layout", d.layout);
   eda_mask *mask = run_step(m);
   g_assert_true(opc_test_metric("failed") == 1);
   g_assert_nonnull(
       strstr(opc_test_log(), "('max_iterations'): nothing prints"));
+  g_assert_nonnull(strstr(opc_test_log(), "'neighbours' has no effect"));
   release_sample(m, mask);
   eda_layout_free(d.layout);
 }
@@ -461,8 +463,6 @@ static void test_refused(void) {
   expect_refused(&d, NEWTON ", radius: 70 um", "", "expected at most 'window'");
   expect_refused(&d, NEWTON ", window: 100 nm", "", "100 nm");
   expect_refused(&d, NEWTON ", top: NONE", "top", "NONE");
-  expect_refused(&d, NEWTON ", neighbours: outline", "",
-                 "'neighbours' requires 'divide: cells'");
   expect_refused(&d, NEWTON ", also: { metal1: M1 }", "",
                  "layers without transistors");
   expect_refused(&d, ", synthesizer: { use: synthesizer.epe }, fine: off",
