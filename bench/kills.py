@@ -6,15 +6,16 @@ store, and replace them by others. The results must be bit-identical to those of
 process. KILLS: number of kills of each kind; KILL_FLOW: the arguments of
 `opcflow run`."""
 import glob
-import json
 import os
 import random
 import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
+
+sys.dont_write_bytecode = True
+import figures
 
 OPCFLOW = os.environ["OPCFLOW_COMMAND"]
 SOURCE = os.environ["OPCFLOW_SOURCE"]
@@ -132,10 +133,4 @@ def main():
 if not shutil.which("mpirun"):
     print("skipped: mpirun is missing")
     sys.exit(0)
-home = os.environ["OPCFLOW_BENCH"]
-with tempfile.TemporaryDirectory() as folder:
-    os.chdir(folder)
-    figures = main()
-    os.chdir("/")
-with open(os.path.join(home, "kills.json"), "w") as f:
-    json.dump(figures, f, indent=1)
+figures.run("kills", main)

@@ -5,13 +5,14 @@ which the cells of each row have a random order. Report processor time, s; proce
 time per transistor, ms; peak memory, MB; and the ratio of the forecast to the peak. The
 environment variable TILES lists the numbers of copies. Requires the Python module
 klayout and OPCFLOW_TEST_DATA."""
-import json
 import os
 import random
 import re
 import subprocess
 import sys
-import tempfile
+
+sys.dont_write_bytecode = True
+import figures
 
 OPCFLOW = os.environ["OPCFLOW_COMMAND"]
 SOURCE = os.environ["OPCFLOW_SOURCE"]
@@ -68,16 +69,16 @@ def measure(count):
 
 
 def main():
-    figures = []
+    found = []
     for count in TILES:
         seconds, peak, forecast = measure(count)
         for name, value, unit in (("seconds", seconds, "s CPU"), ("memory", peak, "MB"),
                                   ("per_transistor", 1e3 * seconds / count / TRANSISTORS, "ms CPU"),
                                   ("forecast", forecast / peak, "of the peak")):
             print("tiles_%d.%s %.3g %s" % (count, name, value, unit), flush=True)
-            figures.append({"name": "tiles_%d.%s" % (count, name), "value": value, "unit": unit,
-                            "reach": None, "better": "lower"})
-    return figures
+            found.append({"name": "tiles_%d.%s" % (count, name), "value": value, "unit": unit,
+                          "reach": None, "better": "lower"})
+    return found
 
 
 try:
@@ -87,10 +88,4 @@ except ImportError:
 if not db or not DATA:
     print("skipped: the Python module klayout, or OPCFLOW_TEST_DATA, is missing")
     sys.exit(0)
-home = os.environ["OPCFLOW_BENCH"]
-with tempfile.TemporaryDirectory() as folder:
-    os.chdir(folder)
-    figures = main()
-    os.chdir("/")
-with open(os.path.join(home, "tiles.json"), "w") as f:
-    json.dump(figures, f, indent=1)
+figures.run("tiles", main)
