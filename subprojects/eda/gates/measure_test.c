@@ -63,6 +63,23 @@ typedef struct result {
   uint8_t outside;
 } result;
 
+/* Return `count` gates without names and instances, grid 1 nm. The arrays
+   belong to the caller. */
+static eda_gates gates_of(size_t count, eda_box *box, uint8_t *type,
+                          uint8_t *axis, double *length, double *width,
+                          double *space, double *extension) {
+  return (eda_gates){.grid = 1,
+                     .layers = 2,
+                     .count = count,
+                     .box = box,
+                     .type = type,
+                     .axis = axis,
+                     .length = length,
+                     .width = width,
+                     .space = space,
+                     .extension = extension};
+}
+
 /* Measure a gate of L 60 and W 300 around (0, 0), vertical or horizontal. */
 static result gate_measure(eda_field poly, eda_field active, uint8_t axis,
                            double space, double extension) {
@@ -71,16 +88,8 @@ static result gate_measure(eda_field poly, eda_field active, uint8_t axis,
   uint8_t type = EDA_NMOS;
   double length = 60, width = 300;
   double both_spaces[2] = {space, space}, both[2] = {extension, INFINITY};
-  eda_gates gates = {.grid = 1,
-                     .layers = 2,
-                     .count = 1,
-                     .box = &box,
-                     .type = &type,
-                     .axis = &axis,
-                     .length = &length,
-                     .width = &width,
-                     .space = both_spaces,
-                     .extension = both};
+  eda_gates gates =
+      gates_of(1, &box, &type, &axis, &length, &width, both_spaces, both);
   eda_field print[] = {poly, active};
   const opc_module module = {&keeper, NULL, "extractor.keeper"};
   result r = {.outside = 1}; /* start with the result of another image */
@@ -196,16 +205,8 @@ static void test_blocks(void) {
   static eda_box box[GATES];
   static uint8_t type[GATES], axis[GATES];
   static double length[GATES], width[GATES], beside[2 * GATES];
-  eda_gates gates = {.grid = 1,
-                     .layers = 2,
-                     .count = GATES,
-                     .box = box,
-                     .type = type,
-                     .axis = axis,
-                     .length = length,
-                     .width = width,
-                     .space = beside,
-                     .extension = beside};
+  eda_gates gates =
+      gates_of(GATES, box, type, axis, length, width, beside, beside);
   eda_performance out;
   opc_error error;
   for (int i = 0; i < GATES; i++) {
@@ -247,16 +248,8 @@ static void test_short_slices(void) {
   uint8_t type[2] = {EDA_NMOS, EDA_NMOS}, axis[2] = {EDA_X, EDA_X};
   double length[] = {60, 60}, width[] = {300, 300};
   double beside[] = {400, 400, 400, 400};
-  eda_gates gates = {.grid = 1,
-                     .layers = 2,
-                     .count = 2,
-                     .box = boxes,
-                     .type = type,
-                     .axis = axis,
-                     .length = length,
-                     .width = width,
-                     .space = beside,
-                     .extension = beside};
+  eda_gates gates =
+      gates_of(2, boxes, type, axis, length, width, beside, beside);
   eda_field print[] = {level(a, 1, taper), level(-wave(half), 0, 1)};
   const uint32_t count[] = {1, 3};
   eda_measurement out;
