@@ -46,7 +46,9 @@ int eda_chip_reserve(eda_chip *c, size_t count, opc_error *error) {
   int code = c->capacity ? OPC_OK : file_open(c, size, error);
   if (code) return code;
   /* Without the allocation, writing to a full disk would be a bus error. */
-  int fault = posix_fallocate(c->file, 0, (off_t)size);
+  int fault;
+  do fault = posix_fallocate(c->file, 0, (off_t)size);
+  while (fault == EINTR);
   void *at = MAP_FAILED;
   if (!fault && c->capacity)
     at = mremap(c->gate, before, size, MREMAP_MAYMOVE);
