@@ -230,9 +230,24 @@ static void test_typo(void) {
   g_assert_nonnull(strstr(errors, "did you mean 'read.cif'"));
 }
 
+/* Settings of the segmentation are refused if `correct` takes gates. */
+static void test_settings_of_gates(void) {
+  static const char *const set[] = {
+      "mask.top=A", "mask.flavours={ lvt: LVTN }", "mask.also={ metal1: M1 }",
+      "mask.overhang=100 nm", "mask.line_end=100 nm"};
+  g_autofree char *flow = source_path("flows/demo.yaml");
+  for (size_t i = 0; i < G_N_ELEMENTS(set); i++) {
+    g_autofree char *errors = NULL;
+    g_assert_cmpint(opcflow(&errors, "check", flow, "--set", set[i], NULL), ==,
+                    2);
+    g_assert_nonnull(strstr(errors, "' requires 'layout'"));
+  }
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   begin_flows();
+  g_test_add_func("/inputs/settings-of-gates", test_settings_of_gates);
   g_test_add_func("/inputs/notes", test_notes);
   g_test_add_func("/inputs/bad-note", test_bad_note);
   g_test_add_func("/inputs/bad-input", test_bad_input);

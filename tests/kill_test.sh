@@ -5,6 +5,7 @@
 # all hidden folders. More kills, of a larger flow:
 #   KILLS=100 KILL_FLOW='flows/newton.yaml --set ...' tests/kill_test.sh
 set -u
+export OPCFLOW_STORE= # no results of earlier runs
 kills=${KILLS:-12}
 seed=${KILL_SEED:-1}
 opcflow=$OPCFLOW_BUILD/opcflow

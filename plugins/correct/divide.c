@@ -49,6 +49,10 @@ int divide_check_settings(const correct *c, opc_error *error) {
     return conflict("flavours", "requires 'layout'", error);
   if (c->gates_given && c->also.count)
     return conflict("also", "requires 'layout'", error);
+  if (c->gates_given && !isnan(c->overhang))
+    return conflict("overhang", "requires 'layout'", error);
+  if (c->gates_given && !isnan(c->line_end))
+    return conflict("line_end", "requires 'layout'", error);
   if (!c->verify && c->divide != DIVIDE_CELLS)
     return conflict("verify", "of 'false' requires 'divide: cells'", error);
   if (c->radius > c->window)

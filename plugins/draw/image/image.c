@@ -4,6 +4,7 @@
    model, the contours of all models, and the distances between contours. */
 #include "image.h"
 
+#include <correct/fine.h>
 #include <eda/print.h>
 #include <glib.h>
 #include <math.h>
@@ -102,6 +103,16 @@ static int model_simulate(image_run *r, size_t k, opc_error *error) {
   return eda_blame(error, code, m->group);
 }
 
+/* Check the margin with the optics of each model. A margin of 0 is not checked:
+   the layout is then one period of a pattern. */
+static int image_check_margin(image_run *r, opc_error *error) {
+  int code = OPC_OK;
+  for (size_t k = 0; k < r->n && !code && r->asked.margin > 0; k++)
+    code = correct_fine_margin(r->host, r->model[k].litho, 0, &r->asked.margin,
+                               error);
+  return code;
+}
+
 static void image_release(image_run *r) {
   for (size_t k = 0; k < r->n; k++) {
     g_free(r->model[k].label);
@@ -118,6 +129,7 @@ static int image_run_step(void *self, void **outputs, opc_error *error) {
   (void)outputs;
   int code = choose_mask(r, error);
   if (!code) choose_models(r);
+  if (!code) code = image_check_margin(r, error);
   for (size_t k = 0; k < r->n && !code; k++) code = model_simulate(r, k, error);
   if (!code) code = image_measure_contours(r, error);
   if (!code) code = image_report(r, error);

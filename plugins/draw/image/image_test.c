@@ -481,6 +481,8 @@ static void test_refused(void) {
  &w, &l, OPC_INVALID, "'third.resist' requires 'third.litho'");
   assert_refused("{ " PAIR("first", 0.3) ", fourth: { label: Mine } }", &w, &l,
                  OPC_INVALID, "'fourth.label' requires 'fourth.litho'");
+  assert_refused("{ " PAIR("first", 0.3) ", margin: 250 nm }", NULL, &l,
+                 OPC_INVALID, "expected at least 300 nm");
   opc_error error;
   g_assert_cmpint(
       draw_sample("{ " PLACE ", " PAIR("first", 0.3) " }", &w, 1, &l, &error),

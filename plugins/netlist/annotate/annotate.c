@@ -3,6 +3,7 @@
    transistors as a SPICE netlist (thesis 3.3.3, equations 3.11 to 3.14). */
 #include <eda/file.h>
 #include <eda/netlist.h>
+#include <glib.h>
 #include <opcflow/step.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -125,6 +126,19 @@ static const opc_metric metrics[] = {
      "number of written model cards, one for each DLC"},
 };
 
+/* Names are written as given, so characters that end a word of a netlist are
+   refused. */
+static int annotate_check(void *self, opc_error *error) {
+  const annotator *s = self;
+  const char *names[2] = {s->n_model, s->p_model};
+  for (int type = 0; type < 2; type++)
+    for (const char *at = names[type]; at && *at; at++)
+      if (!g_ascii_isgraph(*at) || strchr("=(),;'\"", *at))
+        return opc_fail(error, OPC_INVALID, type ? "pmos" : "nmos",
+                        "'%s' is not a model name", names[type]);
+  return OPC_OK;
+}
+
 /* ---- entry ---- */
 
 /* Results of the step are not reused, because `models` may include other
@@ -136,4 +150,4 @@ OPC_PLUGIN(
     .licence = "BSD-3-Clause",
     .summary = "write a netlist with the printed sizes of the transistors",
     .flags = OPC_DETERMINISTIC | OPC_REENTRANT, OPC_PARAMETERS(parameters),
-    OPC_METRICS(metrics), OPC_FUNCTIONS(functions));
+    OPC_METRICS(metrics), .check = annotate_check, OPC_FUNCTIONS(functions));

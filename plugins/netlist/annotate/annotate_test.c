@@ -84,6 +84,7 @@ static char *netlist_annotate(const char *map, int with_mask, int fails) {
   g_autofree char *name = g_strdup_printf("out%d.sp", number++);
   g_autofree char *whole = g_strdup_printf("{ file: %s%s }", name, map);
   g_autoptr(opc_module) m = opc_test_module("netlist.annotate", whole, &error);
+  if (!m && fails) return g_strdup(error.message);
   if (!m) g_error("%s", error.message);
   void *none[1];
   opc_test_input(m, "circuit", &circuit);
@@ -234,6 +235,8 @@ static void test_refused(void) {
   mask.gates = &other;
   assert_refused("", 1, "the mask and the circuit belong to different gates");
   mask.gates = circuit.gates;
+  assert_refused(", nmos: 'n m'", 0, "*'n m' is not a model name");
+  assert_refused(", pmos: \"p\\nm\"", 0, "*is not a model name");
   refused_card("*\n", "'*bad.sp' has no model 'nmos'");
   refused_card(".model nmos nmos level=54 toxe='2*t'\n",
                "*:1:1: model 'nmos' has no cgso, without which a DLC would "
