@@ -251,6 +251,137 @@ static void test_box_sizes(void) {
   eda_layout_free(layout);
 }
 
+/* ---- copies into another layout ---- */
+
+/* Return a layout: TOP places A twice, A places B in an array; X is separate.
+   The layer `both` is derived. */
+static eda_layout *import_source(void) {
+  opc_error e;
+  eda_layout *layout = new_layout();
+  const eda_point kite[] = {{0, 0}, {5, 1}, {6, 6}, {1, 5}};
+  int32_t x = eda_layout_cell(layout, "X", &e);
+  cell_place(layout, "TOP", "A");
+  int32_t top = eda_layout_cell(layout, "TOP", &e),
+          a = eda_layout_cell(layout, "A", &e),
+          b = eda_layout_cell(layout, "B", &e),
+          poly = eda_layout_layer(layout, "poly", &e),
+          notes = eda_layout_layer(layout, "notes", &e);
+  eda_layout_set_file_layer(layout, notes, "9/3");
+  g_assert_cmpint(eda_layout_derive(layout, "both", "poly & notes", &e), ==, 0);
+  eda_placement p = {{3, 4}, 2, 90, 1, 5, 6, {7, 8}, {9, 10}};
+  eda_layout_add_instance(layout, a, b, &p, "XB", &e);
+  p.origin.x = 30;
+  eda_layout_add_instance(layout, top, a, &p, NULL, &e);
+  eda_layout_add_box(layout, b, poly, (eda_box){1, 2, 3, 4}, &e);
+  eda_layout_add_polygon(layout, b, notes, kite, 4, &e);
+  eda_layout_add_text(layout, b, notes, (eda_point){8, 9}, "ion=2", &e);
+  eda_layout_add_box(layout, x, poly, (eda_box){0, 0, 9, 9}, &e);
+  return layout;
+}
+
+static void assert_instance(const eda_layout *layout, int32_t cell, size_t i,
+                            int32_t child, const char *name, int32_t x) {
+  int32_t of;
+  eda_placement p;
+  g_assert_cmpstr(eda_layout_instance(layout, cell, i, &of, &p), ==, name);
+  g_assert_cmpint(of, ==, child);
+  g_assert_true(p.origin.x == x && p.origin.y == 4 && p.magnification == 2 &&
+                p.angle == 90 && p.mirror == 1 && p.columns == 5 &&
+                p.rows == 6 && p.column_step.x == 7 && p.row_step.y == 10);
+}
+
+/* Cells whose names exist get the first free number; layers are joined by name,
+   and their names in the file do not change. */
+static void test_import(void) {
+  opc_error e;
+  eda_layout *from = import_source(), *to = new_layout();
+  int32_t other = eda_layout_cell(to, "A", &e),
+          own = eda_layout_layer(to, "own", &e),
+          poly = eda_layout_layer(to, "poly", &e);
+  eda_layout_cell(to, "B", &e);
+  eda_layout_cell(to, "B$2", &e);
+  eda_layout_set_file_layer(to, poly, "66/20");
+  eda_layout_set_file_layer(from, eda_layout_find_layer(from, "poly"), "7/0");
+  int32_t top =
+      eda_layout_import(to, from, eda_layout_find_cell(from, "TOP"), &e);
+  g_assert_cmpint(top, >=, 0);
+  g_assert_cmpuint(eda_layout_cells(to), ==, 6);
+  g_assert_cmpint(eda_layout_find_cell(to, "X"), ==, -1);
+  g_assert_cmpstr(eda_layout_cell_name(to, top), ==, "TOP");
+  int32_t a = eda_layout_find_cell(to, "A$2"),
+          b = eda_layout_find_cell(to, "B$3"),
+          notes = eda_layout_find_layer(to, "notes");
+  g_assert_cmpint(a, >, other);
+  g_assert_cmpint(b, >, other);
+  g_assert_cmpuint(eda_layout_instances(to, top), ==, 2);
+  int32_t child;
+  eda_placement p;
+  g_assert_null(eda_layout_instance(to, top, 0, &child, &p));
+  g_assert_cmpint(child, ==, a);
+  assert_instance(to, top, 1, a, NULL, 30);
+  assert_instance(to, a, 0, b, "XB", 3);
+  g_assert_cmpuint(eda_layout_polygons(to, top), ==, 0);
+  g_assert_cmpuint(eda_layout_polygons(to, b), ==, 2);
+  const eda_point box[] = {{1, 2}, {3, 2}, {3, 4}, {1, 4}},
+                  kite[] = {{0, 0}, {5, 1}, {6, 6}, {1, 5}};
+  assert_polygon(to, b, 0, poly, box, 4);
+  assert_polygon(to, b, 1, notes, kite, 4);
+  g_assert_cmpint(notes, >, own);
+  g_assert_cmpstr(eda_layout_file_layer(to, poly), ==, "66/20");
+  g_assert_cmpstr(eda_layout_file_layer(to, notes), ==, "9/3");
+  eda_point at;
+  int32_t layer;
+  g_assert_cmpuint(eda_layout_texts(to, b), ==, 1);
+  g_assert_cmpstr(eda_layout_text(to, b, 0, &at, &layer), ==, "ion=2");
+  g_assert_true(at.x == 8 && at.y == 9 && layer == notes);
+  layer = eda_layout_find_layer(to, "both");
+  g_assert_true(eda_layout_is_derived(to, layer));
+  g_assert_false(eda_layout_is_derived(to, notes));
+  /* A second copy has further names and the same layers. */
+  size_t layers = eda_layout_layers(to);
+  top = eda_layout_import(to, from, eda_layout_find_cell(from, "A"), &e);
+  g_assert_cmpstr(eda_layout_cell_name(to, top), ==, "A$3");
+  g_assert_cmpuint(eda_layout_layers(to), ==, layers);
+  eda_layout_free(to);
+  eda_layout_free(from);
+}
+
+/* A derived layer with another definition, or with shapes, is refused. */
+static void test_import_refusals(void) {
+  static const char *const own[] = {NULL, "poly & notes", "notes & poly", ""};
+  opc_error e;
+  eda_layout *from = import_source();
+  for (size_t k = 0; k < G_N_ELEMENTS(own); k++) {
+    eda_layout *to = new_layout();
+    int32_t a = eda_layout_cell(to, "A", &e);
+    eda_layout_layer(to, "poly", &e);
+    eda_layout_layer(to, "notes", &e);
+    int32_t both = eda_layout_layer(to, "both", &e);
+    if (own[k] && *own[k])
+      g_assert_cmpint(eda_layout_derive(to, "both", own[k], &e), ==, 0);
+    else if (own[k])
+      eda_layout_add_box(to, a, both, (eda_box){0, 0, 1, 1}, &e);
+    int32_t top = eda_layout_import(to, from, 1, &e);
+    if (k < 2) {
+      g_assert_cmpint(top, ==, 1);
+      g_assert_true(eda_layout_is_derived(to, both));
+    } else {
+      g_assert_cmpint(top, ==, -1);
+      g_assert_cmpstr(e.message, ==,
+                      "layer 'both' has different definitions in the layouts");
+      g_assert_cmpuint(eda_layout_cells(to), ==, 1);
+    }
+    eda_layout_free(to);
+  }
+  eda_layout *to = eda_layout_new(0.5, &e);
+  g_assert_cmpint(eda_layout_import(to, from, 1, &e), ==, -1);
+  g_assert_cmpstr(e.message, ==,
+                  "the layouts have units of 0.5 and 1 nm, expected equal "
+                  "units");
+  eda_layout_free(to);
+  eda_layout_free(from);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/layout/names", test_names);
@@ -262,5 +393,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/layout/top", test_top);
   g_test_add_func("/layout/many-tops", test_many_tops);
   g_test_add_func("/layout/keep", test_keep);
+  g_test_add_func("/layout/import", test_import);
+  g_test_add_func("/layout/import-refusals", test_import_refusals);
   return g_test_run();
 }

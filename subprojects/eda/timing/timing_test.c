@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Interpolation, compared with closed forms: parabolas, planes, and the
-   equation of the ramp. */
+   equation of the ramp. Delays of circuits that are refused. */
+#include <eda/delays.h>
 #include <eda/timing.h>
 #include <glib.h>
 #include <math.h>
@@ -178,6 +179,62 @@ static void test_pair(void) {
   near(eda_timing_blend(1.5, 2, 4), 2, 0);
 }
 
+/* Each figure of each path and of each arc is checked. */
+static void test_delays(void) {
+  opc_error error;
+  eda_delays *d = eda_delays_new(NULL);
+  g_assert_null(d->size[0]);
+  g_assert_cmpint(eda_delays_check(d, &error), ==, OPC_OK);
+  eda_delays_free(d);
+  eda_delays_free(NULL);
+  const eda_gates *gates = eda_gates_sample();
+  d = eda_delays_new(gates);
+  for (int k = 0; k < EDA_SIZES; k++)
+    for (size_t i = 0; i < gates->count; i++)
+      g_assert_cmpfloat(d->size[k][i], ==, 0);
+  eda_delay_term terms[3][2] = {{{0, {1, 2, 3}}, {1, {0}}},
+                                {{1, {4, 5, 6}}},
+                                {{0, {7, 8, 9}}, {1, {1, 1, 1}}}};
+  eda_delay_path path[2] = {{.delay = {5, 2, terms[0]}},
+                            {.delay = {-4, 1, terms[1]}}};
+  eda_delay_arc arc[2] = {{.delay = {3, 0, NULL}}, {.delay = {2, 2, terms[2]}}};
+  g_assert_cmpint(eda_delays_check(d, &error), ==, OPC_FAILED);
+  g_assert_cmpstr(error.message, ==,
+                  "delays have 0 paths, expected a named circuit with at least "
+                  "one path");
+  d->paths = 2;
+  d->path = path;
+  g_assert_cmpint(eda_delays_check(d, &error), ==, OPC_FAILED);
+  d->name = "top";
+  d->arcs = 2;
+  d->arc = arc;
+  g_assert_cmpint(eda_delays_check(d, &error), ==, OPC_OK);
+  double *times[] = {&path[0].delay.time, &path[1].delay.time,
+                     &arc[0].delay.time, &arc[1].delay.time};
+  for (size_t i = 0; i < 4; i++) {
+    double good = *times[i];
+    *times[i] = (double)INFINITY;
+    g_assert_cmpint(eda_delays_check(d, &error), ==, OPC_FAILED);
+    g_autofree char *want = g_strdup_printf(
+        "a derivative of %s %zu is not a number, or its "
+        "transistor does not exist",
+        i < 2 ? "path" : "arc", i % 2);
+    g_assert_cmpstr(error.message, ==, want);
+    *times[i] = good;
+  }
+  for (size_t i = 0; i < 2; i++)
+    for (int k = 0; k < EDA_SIZES; k++) {
+      float good = terms[2][i].by[k];
+      terms[2][i].by[k] = NAN;
+      g_assert_cmpint(eda_delays_check(d, &error), ==, OPC_FAILED);
+      terms[2][i].by[k] = good;
+    }
+  terms[1][0].gate = 2;
+  g_assert_cmpint(eda_delays_check(d, &error), ==, OPC_FAILED);
+  g_assert_nonnull(strstr(error.message, "path 1"));
+  eda_delays_free(d);
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/timing/cubic", test_cubic);
@@ -185,5 +242,6 @@ int main(int argc, char **argv) {
   g_test_add_func("/timing/check", test_check);
   g_test_add_func("/timing/ramp", test_ramp);
   g_test_add_func("/timing/pair", test_pair);
+  g_test_add_func("/timing/delays", test_delays);
   return g_test_run();
 }
