@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Windows of a layout, compared with the whole layout: transistors bit by bit,
-   and owners of edges. Flavours, settings and layers without transistors.
-   Recognition is tested by segment.transistors. */
+   and owners of edges. Gates and instances written by hand. Recognition is
+   tested by segment.transistors. */
 #include <eda/segment.h>
 #include <glib.h>
 #include <math.h>
@@ -270,223 +270,96 @@ static void test_cut(void) {
   eda_layout_free(layout);
 }
 
-/* ---- flavours and settings ---- */
+/* ---- gates by hand ---- */
 
-enum { ROW = 4, PITCH = 2000 };
-
-/* Draw a marker over the gates a .. b of row_new. */
-static void row_mark(eda_layout *layout, const char *layer, int a, int b) {
-  box(layout, 0, layer, PITCH * a - 200, -200, PITCH * b + 900, 800);
-}
-
-/* Return ROW gates of length 150 and width 600, with the markers M on gates 1
-   and 2, N on 2 and 3, PART on a part of gate 0, and no shape on EMPTY. */
-static eda_layout *row_new(void) {
-  opc_error e;
-  eda_layout *layout = eda_layout_new(1, &e);
-  eda_layout_cell(layout, "TOP", &e);
-  for (int i = 0; i < ROW; i++) {
-    box(layout, 0, "active", PITCH * i, 0, PITCH * i + 750, 600);
-    box(layout, 0, "poly", PITCH * i + 300, -150, PITCH * i + 450, 750);
-  }
-  box(layout, 0, "nwell", 20000, 0, 21000, 1000);
-  row_mark(layout, "M", 1, 2);
-  row_mark(layout, "N", 2, 3);
-  box(layout, 0, "PART", 310, 0, 900, 600);
-  eda_layout_layer(layout, "EMPTY", &e);
-  return layout;
-}
-
-/* Segment the row. Return the flavours with blanks between ("-": none), or the
-   parameter and the message of the error. */
-static char *row_flavours(const eda_layout *layout, const char *const *pairs,
-                          size_t count) {
+/* The gates of eda_gates_sample, written by hand. The sides of the poly belong
+   to a gate up to the line end, the sides of the active up to its ends. */
+static void test_sample(void) {
+  static eda_fragment line[] = {
+      {{0, 0}, 0, EDA_END_LOW},      {{60, 0}, 0, EDA_L_HIGH},
+      {{60, 300}, -1, EDA_FIXED},    {{60, 600}, 1, EDA_L_HIGH},
+      {{60, 1000}, 1, EDA_END_HIGH}, {{0, 1000}, 1, EDA_L_LOW},
+      {{0, 600}, -1, EDA_FIXED},     {{0, 300}, 0, EDA_L_LOW}};
+  static eda_fragment sides[] = {
+      {{-200, 100}, 0, EDA_W_LOW}, {{260, 100}, -1, EDA_FIXED},
+      {{260, 300}, 0, EDA_W_HIGH}, {{-200, 300}, -1, EDA_FIXED},
+      {{-200, 600}, 1, EDA_W_LOW}, {{260, 600}, -1, EDA_FIXED},
+      {{260, 900}, 1, EDA_W_HIGH}, {{-200, 900}, -1, EDA_FIXED}};
+  static uint32_t poly[] = {0, 8}, active[] = {0, 4, 8};
+  static const eda_edges edges[] = {{1, poly, line}, {2, active, sides}};
   opc_error error;
   eda_gates *g;
   eda_segment_report report;
-  eda_segment_settings s = {
-      .grid = 1, .flavours = pairs, .flavour_count = count};
-  if (eda_segment_check(&s, &error) ||
-      eda_segment(NULL, layout, 0, &s, &g, &report, &error))
-    return g_strdup_printf("%s: %s", error.parameter, error.message);
-  g_assert_cmpuint(g->count, ==, ROW);
-  GString *out = g_string_new(NULL);
-  for (size_t i = 0; i < ROW; i++) {
-    const char *name = eda_gates_flavour(g, i);
-    g_string_append_printf(out, "%s%s", i ? " " : "", *name ? name : "-");
-  }
-  eda_gates_free(g);
-  return g_string_free(out, FALSE);
-}
-
-static void test_flavours(void) {
-  static const struct {
-    const char *pairs[6], *want;
-  } cases[] = {
-      {{NULL}, "- - - -"},
-      {{"a", "M"}, "- a a -"},
-      {{"a", "  M  N "}, "- - a -"},
-      {{"a", "M + N"}, "- a a a"},
-      {{"a", "M", "b", "N", "c", "N M"}, "- a c b"},
-      {{"c", "N M", "a", "M", "b", "N"}, "- a c b"},
-      {{"c", "N & M", "a", "M", "b", "N"}, "- a c b"},
-      {{"a", "M", "b", "EMPTY"}, "- a a -"},
-      {{"a", "M", "b", "N"},
-       ": transistor from (4300, 0) to (4450, 600) nm, cell 'TOP': the "
-       "transistor is marked as 'a' and as 'b': define a flavour of both "
-       "markers, 'NAME: A B'"},
-      {{"a", "M", "b", "M N", "c", "N M"},
-       ": transistor from (4300, 0) to (4450, 600) nm, cell 'TOP': the "
-       "transistor is marked as 'b' and as 'c': define a flavour of both "
-       "markers, 'NAME: A B'"},
-      {{"x", "PART"},
-       ": transistor from (300, 0) to (450, 600) nm, cell 'TOP': a marker of "
-       "'x' covers the transistor in part"},
-      {{"a", "M", "x", "NONE"}, "flavours.x: the layout has no layer 'NONE'*"},
-      {{"a", "M", "x", "  "},
-       "flavours.x: 'x' must name the marker layer of the transistors, or "
-       "several marker layers separated by blanks"},
-      {{"", "M"}, "flavours.: '' must name the marker layer*"}};
-  opc_error e;
-  eda_layout *layout = row_new();
-  for (size_t k = 0; k < G_N_ELEMENTS(cases); k++) {
-    size_t n = 0;
-    while (n < 6 && cases[k].pairs[n]) n++;
-    g_autofree char *is = row_flavours(layout, cases[k].pairs, n / 2);
-    if (!g_pattern_match_simple(cases[k].want, is)) g_error("%zu: %s", k, is);
-  }
-  const char *many[66];
-  for (int i = 0; i < 66; i++) many[i] = "M";
-  g_autofree char *is = row_flavours(layout, many, 33);
-  g_assert_cmpstr(is, ==, "flavours: 33 flavours, expected at most 32");
-  eda_segment_settings most = {
-      .grid = 1, .flavours = many, .flavour_count = 32};
-  g_assert_cmpint(eda_segment_check(&most, &e), ==, OPC_OK);
-  eda_layout_free(layout);
-}
-
-/* Names and layers of further layers, missing and empty layers. */
-static void test_further(void) {
-  static const struct {
-    const char *pairs[4], *want;
-  } cases[] = {
-      {{"m1", "M", "x_9", "N"}, NULL},
-      {{"drawn", "M", "_drawn_", "N"}, NULL},
-      {{"m1", "M", "m1_drawn", "N"},
-       "also.m1_drawn: 'm1_drawn' cannot be the name of a layer: expected "
-       "letters, digits and '_', not ending in '_drawn'"},
-      {{"m.1", "M"}, "also.m.1: 'm.1' cannot be the name of a layer*"},
-      {{"", "M"}, "also.: '' cannot be the name of a layer*"},
-      {{"active", "M"},
-       "also.active: 'active': a layer of this name exists already"},
-      {{"m1", "M", "m1", "N"},
-       "also.m1: 'm1': a layer of this name exists already"},
-      {{"m1", "M", "m2", "M"}, "also.m2: 'm2': layer M is 'm1' already"},
-      {{"m1", "poly"}, "also.m1: 'm1': layer poly is 'poly' already"},
-      {{"m1", "M", "m2", "Z"}, "also.m2: the layout has no layer 'Z'*"},
-      {{"m1", "EMPTY"}, "also.m1: layer 'EMPTY' is empty"}};
-  eda_layout *layout = row_new();
-  for (size_t k = 0; k < G_N_ELEMENTS(cases); k++) {
-    opc_error error;
-    eda_gates *g = NULL;
-    eda_segment_report report;
-    eda_segment_settings s = {.grid = 1, .also = cases[k].pairs};
-    while (s.also_count < 2 && cases[k].pairs[2 * s.also_count]) s.also_count++;
-    int code = eda_segment_check(&s, &error);
-    if (!code) code = eda_segment(NULL, layout, 0, &s, &g, &report, &error);
-    g_autofree char *is =
-        g_strdup_printf("%s: %s", error.parameter, error.message);
-    if (!cases[k].want
-            ? code != OPC_OK
-            : code != OPC_INVALID || !g_pattern_match_simple(cases[k].want, is))
-      g_error("%zu: %s", k, is);
-    /* Without contacts, further layers follow poly and active. */
-    g_assert_cmpuint(g ? g->layers : 4, ==, 4);
-    if (g) g_assert_cmpstr(g->layer[3], ==, cases[k].pairs[2]);
-    eda_gates_free(g);
-  }
-  eda_layout_free(layout);
-}
-
-static void count_messages(void *data, int warning, const char *message) {
-  (void)warning;
-  g_string_append_printf(data, "%s;", message);
-}
-
-/* Layouts without transistors, and the message about displaced vertices. */
-static void test_messages(void) {
-  opc_error error;
-  eda_gates *g;
-  eda_segment_report report;
-  g_autoptr(GString) log = g_string_new(NULL);
-  eda_segment_settings s = {.grid = 1, .log = count_messages, .data = log};
-  eda_layout *layout = eda_layout_new(0.25, &error);
-  int32_t top = eda_layout_cell(layout, "TOP", &error);
-  box(layout, top, "active", 0, 0, 4000, 800);
-  g_assert_cmpint(eda_segment(NULL, layout, top, &s, &g, &report, &error), ==,
-                  OPC_INVALID);
-  g_assert_cmpstr(error.message, ==,
-                  "no transistors: the layout has no layer 'poly', but active; "
-                  "name the layer in 'layers' of the reader");
-  box(layout, top, "poly", 800, 2000, 1042, 4000);
-  g_assert_cmpint(eda_segment(NULL, layout, top, &s, &g, &report, &error), ==,
-                  OPC_INVALID);
-  g_assert_cmpstr(error.message, ==,
-                  "no transistors: layers 'poly' and 'active' do not overlap");
-  g_assert_cmpstr(log->str, ==,
-                  "the grid of 1 nm moved 2 of 4 vertices of layer 'poly', by "
-                  "0.5 nm at most;");
-  g_assert_cmpuint(report.moved, ==, 2);
-  g_assert_cmpfloat(report.worst, ==, 0.5);
-  /* Each flat layer is counted twice: for its merged shapes too. */
-  g_assert_cmpfloat(eda_segment_bytes(layout, top, &s), ==,
-                    2 * (eda_layout_flat_bytes(layout, top, 0) +
-                         eda_layout_flat_bytes(layout, top, 1)));
-  eda_layout_free(layout);
-}
-
-/* A layer without transistors: two overlapping boxes merge into one polygon of
-   eight edges, on a grid of 2 nm. */
-static void test_edges(void) {
-  opc_error error;
-  eda_gates *g;
-  size_t moved;
+  const eda_gates *want = eda_gates_sample();
   eda_layout *layout = eda_layout_new(1, &error);
-  int32_t top = eda_layout_cell(layout, "A", &error),
-          empty = eda_layout_layer(layout, "none", &error);
-  eda_layout_cell(layout, "B", &error);
-  box(layout, top, "m", 0, 0, 100, 21);
-  box(layout, top, "m", 40, 10, 60, 80);
-  g_assert_cmpint(eda_segment_top(layout, "B", &error), ==, 1);
-  g_assert_cmpint(eda_segment_top(layout, "C", &error), ==, -1);
-  g_assert_cmpstr(error.message, ==, "the layout has no cell 'C'");
-  g_assert_cmpstr(error.parameter, ==, "top");
-  g_assert_cmpint(eda_segment_top(layout, NULL, &error), ==, -1);
-  if (eda_segment_edges(layout, top, empty + 1, 2, &g, &moved, &error))
+  eda_layout_cell(layout, "sample", &error);
+  box(layout, 0, "active", -200, 100, 260, 300);
+  box(layout, 0, "active", -200, 600, 260, 900);
+  box(layout, 0, "poly", 0, 0, 60, 1000);
+  box(layout, 0, "nwell", -300, 500, 360, 1100);
+  eda_segment_settings s = {.grid = 1, .overhang = 0, .line_end = 100};
+  if (eda_segment(NULL, layout, 0, &s, &g, &report, &error))
     g_error("%s", error.message);
-  static const eda_point want[] = {{0, 0},   {50, 0},  {50, 11}, {30, 11},
-                                   {30, 40}, {20, 40}, {20, 11}, {0, 11}};
-  g_assert_cmpstr(g->name, ==, "A");
-  g_assert_cmpfloat(g->grid, ==, 2);
-  g_assert_cmpuint(moved, ==, 2);
-  g_assert_cmpuint(g->layers, ==, 1);
-  g_assert_cmpstr(g->layer[0], ==, "m");
-  g_assert_cmpint(g->corrected[0], ==, 1);
-  g_assert_cmpuint(g->count, ==, 0);
-  g_assert_true(g->extent.x0 == 0 && g->extent.y0 == 0 && g->extent.x1 == 50 &&
-                g->extent.y1 == 40);
-  g_assert_cmpuint(g->edges[0].polygons, ==, 1);
-  g_assert_cmpuint(g->edges[0].start[1], ==, G_N_ELEMENTS(want));
-  for (size_t i = 0; i < G_N_ELEMENTS(want); i++) {
-    const eda_fragment *f = &g->edges[0].fragments[i];
-    g_assert_true(f->from.x == want[i].x && f->from.y == want[i].y);
-    g_assert_true(f->gate == -1 && f->role == EDA_FIXED);
+  g_assert_cmpuint(g->count, ==, want->count);
+  g_assert_cmpuint(g->layers, ==, want->layers);
+  for (size_t i = 0; i < g->count; i++) {
+    g_autofree char *is = gate_text(g, i), *expected = gate_text(want, i);
+    g_assert_cmpstr(is, ==, expected);
+    g_assert_cmpstr(g->cell[i], ==, want->cell[i]);
+    g_assert_cmpstr(g->instance[i], ==, want->instance[i]);
+    g_assert_cmpuint(g->number[i], ==, want->number[i]);
+  }
+  for (size_t k = 0; k < g->layers; k++) {
+    const eda_edges *a = &g->edges[k], *b = &edges[k];
+    g_assert_cmpint(g->corrected[k], ==, want->corrected[k]);
+    g_assert_cmpmem(a->start, (a->polygons + 1) * sizeof *a->start, b->start,
+                    (b->polygons + 1) * sizeof *b->start);
+    for (uint32_t i = 0; i < b->start[b->polygons]; i++) {
+      const eda_fragment *f = &a->fragments[i], *o = &b->fragments[i];
+      g_assert_true(f->from.x == o->from.x && f->from.y == o->from.y &&
+                    f->gate == o->gate && f->role == o->role);
+    }
   }
   eda_gates_free(g);
-  g_assert_cmpint(eda_segment_edges(layout, top, empty, 2, &g, &moved, &error),
-                  ==, OPC_INVALID);
-  g_assert_cmpstr(error.message, ==, "layer 'none' is empty");
-  g_assert_null(g);
+  eda_layout_free(layout);
+}
+
+/* Gates are numbered within their instances, from the lowest, then leftmost
+   one. */
+static void test_instances(void) {
+  static const char want[] =
+      "X1:PAIR:1 PAIR#1:PAIR:1 X1:PAIR:2 PAIR#1:PAIR:2 :TOP:1 ";
+  opc_error error;
+  eda_gates *g;
+  eda_segment_report report;
+  eda_layout *layout = eda_layout_new(1, &error);
+  int32_t top = eda_layout_cell(layout, "TOP", &error),
+          pair = eda_layout_cell(layout, "PAIR", &error);
+  for (int32_t y = 0; y < 2000; y += 1000) {
+    box(layout, pair, "active", 0, y, 500, y + 300);
+    box(layout, pair, "poly", 200, y - 100, 260, y + 400);
+  }
+  box(layout, top, "active", 0, 4000, 500, 4300);
+  box(layout, top, "poly", 200, 3900, 260, 4400);
+  box(layout, top, "contact", 900, 900, 960, 960);
+  box(layout, top, "nwell", 9000, 0, 9100, 100);
+  eda_placement p = {.magnification = 1, .columns = 1, .rows = 1};
+  eda_layout_add_instance(layout, top, pair, &p, "X1", &error);
+  p.origin.x = 3000;
+  eda_layout_add_instance(layout, top, pair, &p, NULL, &error);
+  eda_segment_settings s = {.grid = 1};
+  if (eda_segment(NULL, layout, top, &s, &g, &report, &error))
+    g_error("%s", error.message);
+  g_autoptr(GString) is = g_string_new(NULL);
+  for (size_t i = 0; i < g->count; i++)
+    g_string_append_printf(is, "%s:%s:%u ", g->instance[i], g->cell[i],
+                           g->number[i]);
+  g_assert_cmpstr(is->str, ==, want);
+  /* Contacts are not corrected. */
+  g_assert_cmpuint(g->layers, ==, 3);
+  g_assert_true(g->corrected[0] == 1 && g->corrected[1] == 1 &&
+                g->corrected[2] == 0);
+  eda_gates_free(g);
   eda_layout_free(layout);
 }
 
@@ -494,9 +367,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/segment/windows", test_windows);
   g_test_add_func("/segment/cut", test_cut);
-  g_test_add_func("/segment/flavours", test_flavours);
-  g_test_add_func("/segment/further", test_further);
-  g_test_add_func("/segment/messages", test_messages);
-  g_test_add_func("/segment/edges", test_edges);
+  g_test_add_func("/segment/sample", test_sample);
+  g_test_add_func("/segment/instances", test_instances);
   return g_test_run();
 }
