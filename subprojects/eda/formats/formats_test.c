@@ -8,6 +8,7 @@
 #include <glib.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 static void test_numbers(void) {
   eda_layer_number n;
@@ -142,6 +143,167 @@ static void test_oasis(void) {
   free(bytes);
 }
 
+/* ---- bytes of OASIS, by hand (SEMI P39) ---- */
+
+/* Return a writer to *bytes, which oasis_end completes. */
+static eda_oasis *oasis_begin(char **bytes, size_t *n, FILE **file) {
+  *bytes = NULL;
+  *file = open_memstream(bytes, n);
+  return eda_oasis_new(*file);
+}
+
+static void oasis_end(eda_oasis *out, FILE *file) {
+  eda_oasis_end_plain(out);
+  eda_oasis_free(out);
+  fclose(file);
+}
+
+/* The two bytes of a number from 128 to 16383. */
+#define WIDE(v) ((v)&127) | 128, (v) >> 7
+
+static void test_oasis_numbers(void) {
+  static const int deltas[][2] = {{9, 0},  {0, 9},   {-9, 0},  {0, -9}, {9, 9},
+                                  {-9, 9}, {-9, -9}, {9, -9},  {9, 8},  {-9, 8},
+                                  {9, -8}, {0, 0},   {100, 99}};
+  static const uint8_t want[] = {
+      0,         5,         /* real 5 */
+      1,         WIDE(128), /* real -128 */
+      0,         0,         /* real 0 */
+      7,         0,         0,         0,         0,    0,
+      0,         0xe0,      0xbf, /* real -0.5 */
+      7,         0,         0,         0x34,      0x26, 0xf5,
+      0x6b,      0x0c,      0x43,                 /* real 1e15 */
+      WIDE(144), WIDE(146), WIDE(148), WIDE(150), /* east, north, west ... */
+      WIDE(152), WIDE(154), WIDE(156), WIDE(158), 37,   16,
+      39,        16,        37,        17,        0,    WIDE(401),
+      WIDE(198), 4,         'T',       'O',       'P',  '1'};
+  char *bytes;
+  size_t n;
+  FILE *file;
+  eda_oasis *out = oasis_begin(&bytes, &n, &file);
+  eda_oasis_real(out, 5);
+  eda_oasis_real(out, -128);
+  eda_oasis_real(out, 0);
+  eda_oasis_real(out, -0.5);
+  eda_oasis_real(out, 1e15);
+  for (size_t i = 0; i < G_N_ELEMENTS(deltas); i++)
+    eda_oasis_delta(out, deltas[i][0], deltas[i][1]);
+  eda_oasis_string(out, "TOP1");
+  uint32_t before = eda_oasis_crc(out);
+  eda_oasis_end_plain(out);
+  g_assert_cmpuint(before, ==, 0);
+  g_assert_cmphex(eda_oasis_crc(out), ==,
+                  (uint32_t)crc32(0, want, sizeof want));
+  oasis_end(out, file);
+  g_assert_cmpmem(bytes, n, want, sizeof want);
+  free(bytes);
+}
+
+/* A block is compressed if it becomes shorter. */
+static void test_oasis_blocks(void) {
+  static char same[4000], mixed[64];
+  memset(same, 'a', sizeof same - 1);
+  for (size_t i = 0; i + 1 < sizeof mixed; i++)
+    mixed[i] = (char)(' ' + 37 * i % 91);
+  const struct {
+    const char *text;
+    size_t bytes; /* before compression */
+    int packed;
+  } cases[] = {{same, 4001, 1},
+               {same + sizeof same - 31, 31, 0},
+               {same + sizeof same - 80, 80, 1},
+               {mixed, 64, 0}};
+  for (size_t k = 0; k < G_N_ELEMENTS(cases); k++) {
+    char *bytes;
+    size_t n;
+    FILE *file;
+    eda_oasis *out = oasis_begin(&bytes, &n, &file);
+    eda_oasis_string(out, cases[k].text);
+    g_assert_cmpuint(eda_oasis_collected(out), ==, cases[k].bytes);
+    eda_oasis_end_block(out);
+    g_assert_cmpuint(eda_oasis_collected(out), ==, 0);
+    uint64_t place = eda_oasis_place(out);
+    oasis_end(out, file);
+    g_assert_cmpuint(n, ==, place);
+    const uint8_t *b = (const uint8_t *)bytes;
+    if (!cases[k].packed) {
+      g_assert_cmpuint(n, ==, cases[k].bytes);
+      g_assert_cmpmem(b + 1, n - 1, cases[k].text, n - 1);
+    } else {
+      uint8_t plain[5000];
+      size_t at = 2, wide = cases[k].bytes > 127;
+      g_assert_true(b[0] == 34 && b[1] == 0);
+      g_assert_cmpuint(wide ? (size_t)(b[2] & 127) | (size_t)b[3] << 7 : b[2],
+                       ==, cases[k].bytes);
+      at += 1 + wide;
+      g_assert_cmpuint(b[at], ==, n - at - 1);
+      z_stream z = {.next_in = (uint8_t *)b + at + 1,
+                    .avail_in = (uInt)(n - at - 1),
+                    .next_out = plain,
+                    .avail_out = sizeof plain};
+      g_assert_cmpint(inflateInit2(&z, -15), ==, Z_OK);
+      g_assert_cmpint(inflate(&z, Z_FINISH), ==, Z_STREAM_END);
+      size_t skip = 1 + wide; /* length of the text */
+      g_assert_cmpmem(plain + skip, z.total_out - skip, cases[k].text,
+                      cases[k].bytes - skip);
+      inflateEnd(&z);
+    }
+    free(bytes);
+  }
+}
+
+static void put_box(eda_oasis *out, int x, int y, int w, int h) {
+  const eda_point box[] = {{x, y}, {x + w, y}, {x + w, y + h}, {x, y + h}};
+  eda_oasis_polygon(out, (eda_layer_number){1, 2}, box, 4);
+}
+
+/* Repetitions: a grid, a diagonal row and a list; polygons whose edges
+   alternate, beginning in x or in y, and others. */
+static void test_oasis_shapes(void) {
+  static const eda_point flat[] = {{0, 0}, {9, 0}, {9, 3},
+                                   {4, 3}, {4, 7}, {0, 7}},
+                         tall[] = {{0, 0}, {0, 7}, {4, 7},
+                                   {4, 3}, {9, 3}, {9, 0}},
+                         kite[] = {{1, 0}, {5, 1}, {6, 6}, {1, 5}},
+                         far[] = {{11, 0}, {15, 1}, {16, 6}, {11, 5}},
+                         odd[] = {{0, 0}, {9, 0}, {9, 9}, {5, 9}, {0, 4}};
+  static const uint8_t want[] = {
+      /* 3 by 2: 4 columns, 3 rows; 5 by 4: three at steps of (6, 6); 6 by 4: a
+         list; 7 by 4: a grid and one more; 8 by 4: a list */
+      20, 0x7f, 1, 2, 3, 2, 0, 0, 1, 2, 1, 10, 20, 20, 0x7f, 1, 2, 5, 4, 0, 5,
+      9, 1, 0x68, 20, 0x7f, 1, 2, 6, 4, 0, 0, 10, 1, 0x70, 27, 2, 20, 0x7f, 1,
+      2, 7, 4, 0, 0, 1, 0, 0, 10, 5, 20, 0x7b, 1, 2, 7, 4, 2, 18, 20, 0x7f, 1,
+      2, 8, 4, 0, 0, 10, 7, WIDE(160), 43, 10, WIDE(160), 39, 8, 34, 50, 66, 82,
+      /* two kites; odd; tall; flat */
+      21, 0x3f, 1, 2, 4, 3, 17, 2, 5, 10, 23, 3, 2, 0, 9, 0, WIDE(160), 21,
+      0x3b, 1, 2, 4, 4, WIDE(144), WIDE(146), 0x44, 0x5c, 0, 0, 21, 0x3b, 1, 2,
+      1, 4, 14, 8, 9, 10, 0, 0, 21, 0x3b, 1, 2, 0, 4, 18, 6, 11, 8, 0, 0};
+  static const int rows[] = {23, 18, 14, 11, 9};
+  char *bytes;
+  size_t n;
+  FILE *file;
+  eda_oasis *out = oasis_begin(&bytes, &n, &file);
+  for (int i = 12; i-- > 0;) put_box(out, i % 4 * 10, i / 4 * 20, 3, 2);
+  for (int i = 0; i < 3; i++) put_box(out, 6 * i, 6 * i - 2, 5, 4);
+  put_box(out, 1, 1, 6, 4);
+  put_box(out, 0, 0, 6, 4);
+  put_box(out, 7, 0, 6, 4);
+  for (int k = 7; k <= 8; k++) {
+    for (int i = 0; i < (k == 7 ? 1 : 5); i++)
+      put_box(out, 1, k == 7 ? 9 : rows[i], k, 4);
+    for (int i = 0; i < 4; i++) put_box(out, i % 2 * 10, i / 2 * 5, k, 4);
+  }
+  eda_oasis_polygon(out, (eda_layer_number){1, 2}, flat, 6);
+  eda_oasis_polygon(out, (eda_layer_number){1, 2}, tall, 6);
+  eda_oasis_polygon(out, (eda_layer_number){1, 2}, kite, 4);
+  eda_oasis_polygon(out, (eda_layer_number){1, 2}, far, 4);
+  eda_oasis_polygon(out, (eda_layer_number){1, 2}, odd, 5);
+  eda_oasis_end_shapes(out);
+  oasis_end(out, file);
+  g_assert_cmpmem(bytes, n, want, sizeof want);
+  free(bytes);
+}
+
 /* Test files that cannot be opened, or are on a full device. */
 static void test_file(void) {
   opc_error error;
@@ -174,6 +336,9 @@ int main(int argc, char **argv) {
   g_test_add_func("/formats/cut", test_cut);
   g_test_add_func("/formats/holes", test_holes);
   g_test_add_func("/formats/oasis", test_oasis);
+  g_test_add_func("/formats/oasis-numbers", test_oasis_numbers);
+  g_test_add_func("/formats/oasis-blocks", test_oasis_blocks);
+  g_test_add_func("/formats/oasis-shapes", test_oasis_shapes);
   g_test_add_func("/formats/file", test_file);
   return g_test_run();
 }
