@@ -181,6 +181,167 @@ static void test_legend(void) {
   g_assert_cmpint(eda_paper_close(paper, OPC_OK, &error), ==, OPC_OK);
 }
 
+/* Colours repeat after six layers, and are interpolated between stops. */
+static void test_colours(void) {
+  static const struct {
+    double t;
+    uint32_t diverging, sequential;
+  } cases[] = {{-1, 0x2166ac, 0x081d58},     {0, 0x2166ac, 0x081d58},
+               {0.0625, 0x327db8, 0x172976}, {0.5, 0xffffff, 0x41b6c4},
+               {0.9375, 0xc43c3c, 0xf6fcc5}, {1, 0xb2182b, 0xffffd9},
+               {7, 0xb2182b, 0xffffd9},      {NAN, 0x2166ac, 0x081d58}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    uint32_t a = eda_colour_packed(eda_diverging(cases[i].t)),
+             b = eda_colour_packed(eda_sequential(cases[i].t));
+    for (int shift = 0; shift <= 16; shift += 8) {
+      g_assert_cmpint(abs((int)(a >> shift & 255) -
+                          (int)(cases[i].diverging >> shift & 255)),
+                      <=, 1);
+      g_assert_cmpint(abs((int)(b >> shift & 255) -
+                          (int)(cases[i].sequential >> shift & 255)),
+                      <=, 1);
+    }
+  }
+  g_assert_cmphex(eda_colour_packed(red), ==, 0xff0000);
+  g_assert_cmphex(eda_colour_packed(eda_layer_fill(0)), ==, 0xdedede);
+  g_assert_cmphex(eda_colour_packed(eda_layer_outline(1)), ==, 0x009e73);
+  g_assert_cmphex(eda_colour_packed(eda_layer_contour(2)), ==, 0x5c1f42);
+  for (size_t k = 0; k < 6; k++) {
+    uint32_t fill = eda_colour_packed(eda_layer_fill(k)),
+             line = eda_colour_packed(eda_layer_outline(k)),
+             contour = eda_colour_packed(eda_layer_contour(k));
+    g_assert_cmphex(eda_colour_packed(eda_layer_fill(k + 6)), ==, fill);
+    g_assert_cmphex(eda_colour_packed(eda_layer_outline(k + 12)), ==, line);
+    g_assert_cmphex(eda_colour_packed(eda_layer_contour(k + 6)), ==, contour);
+    g_assert_cmpint(brightness(fill), >, brightness(line) + 100);
+    g_assert_cmpint(brightness(line), >, brightness(contour) + 100);
+  }
+}
+
+/* Symbols of legends, one below the other, with a font of 10 pixels: the base
+   line is 11 pixels below the upper end of an entry. */
+static void test_signs(void) {
+  static const struct {
+    eda_sign sign;
+    double width;
+  } cases[] = {
+      {{.kind = EDA_SIGN_FILL, .colour = EDA_COLOUR(0xff0000)}, 16},
+      {{.kind = EDA_SIGN_LINE,
+        .colour = EDA_COLOUR(0xff0000),
+        .line = 1,
+        .dash = 4,
+        .behind = EDA_COLOUR(0x0000ff),
+        .behind_line = 3},
+       16},
+      {{.kind = EDA_SIGN_LINE, .colour = EDA_COLOUR(0xff0000), .line = 3}, 16},
+      {{.kind = EDA_SIGN_CROSS, .colour = EDA_COLOUR(0xff0000)}, 16},
+      {{.kind = EDA_SIGN_RING}, 12},
+      {{.kind = EDA_SIGN_BAR, .size = 30}, 30},
+      {{.kind = EDA_SIGN_RAMP, .ramp = eda_diverging, .low = "", .high = ""},
+       80}};
+  enum { N = G_N_ELEMENTS(cases), STEP = 20, BASE = 11 };
+  opc_error error;
+  g_autofree char *path = path_of("signs.png");
+  eda_paper *paper = eda_paper_open(path, 200, N * STEP, 10, &error);
+  g_assert_nonnull(paper);
+  int m = (int)paper->margin;
+  g_assert_cmpfloat(paper->margin, ==, m);
+  for (int k = 0; k < N; k++) {
+    eda_legend l;
+    eda_legend_init(&l, paper, STEP * k);
+    eda_legend_add(&l, &cases[k].sign, "%s", "");
+    g_assert_cmpfloat(l.x, ==, m + cases[k].width + 5 + 16);
+    g_assert_cmpfloat(l.height, ==, 16);
+  }
+  g_assert_cmpint(eda_paper_close(paper, OPC_OK, &error), ==, OPC_OK);
+  cairo_surface_t *s = cairo_image_surface_create_from_png(path);
+  /* Pixel (x, y) relative to the left end of the base line of entry k. */
+#define PIXEL(k, x, y) pixel(s, m + (x), STEP * (k) + BASE + (y))
+  /* A box of 16 by 9 with its outline. */
+  g_assert_cmphex(PIXEL(0, 8, -4), ==, 0xff0000);
+  g_assert_cmphex(PIXEL(0, 1, -7), ==, 0xff0000);
+  g_assert_cmphex(PIXEL(0, 15, 0), ==, 0xff0000);
+  g_assert_cmphex(PIXEL(0, 0, -4), ==, 0x9a9a9a);
+  g_assert_cmphex(PIXEL(0, 16, -4), ==, 0x9a9a9a);
+  g_assert_cmphex(PIXEL(0, 8, -8), ==, 0x9a9a9a);
+  g_assert_cmphex(PIXEL(0, 8, 1), ==, 0x9a9a9a);
+  g_assert_cmphex(PIXEL(0, 17, -4), ==, 0xffffff);
+  g_assert_cmphex(PIXEL(0, 8, 2), ==, 0xffffff);
+  /* Red dashes of 4 pixels over a blue line. */
+  g_assert_cmphex(PIXEL(1, 1, -4), ==, 0xff0000);
+  g_assert_cmphex(PIXEL(1, 5, -4), ==, 0x0000ff);
+  g_assert_cmphex(PIXEL(1, 9, -4), ==, 0xff0000);
+  g_assert_cmphex(PIXEL(1, 9, -3), ==, 0x0000ff);
+  g_assert_cmphex(PIXEL(1, 15, -5), ==, 0x0000ff);
+  g_assert_cmphex(PIXEL(1, 16, -4), ==, 0xffffff);
+  g_assert_cmphex(PIXEL(1, 9, -6), ==, 0xffffff);
+  g_assert_cmphex(PIXEL(2, 5, -4), ==, 0xff0000);
+  g_assert_cmphex(PIXEL(2, 5, -3), ==, 0xff0000);
+  /* Both diagonals of the box. */
+  g_assert_cmpint(brightness(PIXEL(3, 8, -4)), <, 200);
+  g_assert_cmpint(brightness(PIXEL(3, 1, -7)), <, 240);
+  g_assert_cmpint(brightness(PIXEL(3, 1, 0)), <, 240);
+  g_assert_cmphex(PIXEL(3, 3, -4), ==, 0xff0000);
+  /* A ring of radius 5.5 around (6, -3.5). */
+  g_assert_cmphex(PIXEL(4, 6, -4), ==, 0xffffff);
+  g_assert_true(is_near(PIXEL(4, 11, -4), 0xd94019));
+  g_assert_true(is_near(PIXEL(4, 0, -4), 0xd94019));
+  g_assert_cmpint(brightness(PIXEL(4, 6, -9)), <, 420);
+  g_assert_cmpint(brightness(PIXEL(4, 6, -7)), >, 700);
+  g_assert_cmphex(PIXEL(4, 14, -4), ==, 0xffffff);
+  /* A bar of 30 pixels with ends that point upwards. */
+  g_assert_cmphex(PIXEL(5, 1, -3), ==, 0x202020);
+  g_assert_cmphex(PIXEL(5, 28, -3), ==, 0x202020);
+  g_assert_cmphex(PIXEL(5, 15, -4), ==, 0xffffff);
+  g_assert_cmphex(PIXEL(5, 32, -3), ==, 0xffffff);
+  g_assert_cmpint(brightness(PIXEL(5, 0, -4)), <, 500);
+  g_assert_cmpint(brightness(PIXEL(5, 30, -4)), <, 500);
+  g_assert_cmpint(brightness(PIXEL(5, 0, -2)), >, 700);
+  /* A ramp of 70 pixels, 5 pixels from the label. */
+  g_assert_true(is_near(PIXEL(6, 6, -4), 0x2166ac));
+  g_assert_true(is_near(PIXEL(6, 40, -4), 0xffffff));
+  g_assert_true(is_near(PIXEL(6, 74, -4), 0xb2182b));
+  g_assert_cmphex(PIXEL(6, 5, -4), ==, 0x9a9a9a);
+  g_assert_cmphex(PIXEL(6, 75, -4), ==, 0x9a9a9a);
+  g_assert_cmphex(PIXEL(6, 77, -4), ==, 0xffffff);
+  cairo_surface_destroy(s);
+}
+
+/* A heading is bold and larger; the font is then as before. */
+static void test_heading(void) {
+  opc_error error;
+  g_autofree char *path = path_of("heading.png");
+  eda_paper *paper = eda_paper_open(path, 200, 100, 10, &error);
+  g_assert_nonnull(paper);
+  cairo_text_extents_t before, after;
+  cairo_text_extents(paper->cairo, "Heading", &before);
+  g_assert_cmpfloat(eda_heading(paper, 50, "HHHH"), ==, 19);
+  cairo_text_extents(paper->cairo, "Heading", &after);
+  g_assert_cmpfloat(after.x_advance, ==, before.x_advance);
+  g_assert_cmpfloat(after.height, ==, before.height);
+  int m = (int)paper->margin;
+  g_assert_cmpint(eda_paper_close(paper, OPC_OK, &error), ==, OPC_OK);
+  cairo_surface_t *s = cairo_image_surface_create_from_png(path);
+  /* Capital letters are about 10 pixels high above the base line at 62. */
+  int top = 100, bottom = 0, left = 200, right = 0;
+  for (int y = 0; y < 100; y++)
+    for (int x = 0; x < 200; x++)
+      if (brightness(pixel(s, x, y)) < 300) {
+        top = MIN(top, y);
+        bottom = MAX(bottom, y);
+        left = MIN(left, x);
+        right = MAX(right, x);
+      }
+  g_assert_cmpint(bottom, ==, 61);
+  g_assert_cmpint(top, >=, 50);
+  g_assert_cmpint(top, <=, 53);
+  g_assert_cmpint(left, >=, m);
+  g_assert_cmpint(left, <=, m + 3);
+  g_assert_cmpint(right - left, >, 30);
+  g_assert_cmpint(right - left, <, 56);
+  cairo_surface_destroy(s);
+}
+
 static void test_refused(void) {
   opc_error error;
   g_assert_cmpint(eda_paper_check("a.jpg", "file", &error), ==, OPC_INVALID);
@@ -206,6 +367,9 @@ int main(int argc, char **argv) {
   g_test_add_func("/chart/axes", test_axes);
   g_test_add_func("/chart/field", test_field);
   g_test_add_func("/chart/legend", test_legend);
+  g_test_add_func("/chart/colours", test_colours);
+  g_test_add_func("/chart/signs", test_signs);
+  g_test_add_func("/chart/heading", test_heading);
   g_test_add_func("/chart/refused", test_refused);
   int code = g_test_run();
   GDir *dir = g_dir_open(folder, 0, NULL);
