@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # make demo    install what is missing, build, correct our NAND2
 # make test    install what is missing, build, run every test
+# make program  all but the programs of tests
 # make bench   the benchmarks; results in build/bench/NAME.json
 # make sanitize [SUITES="eda plugins"]  tests under AddressSanitizer and UBSan, all by default
 #
@@ -18,11 +19,12 @@ MESON_FLAGS ?=
 export MESONFLAGS =
 
 # Suites of tests that `make test` and `make sanitize` run; empty: all. Programs that passed
-# without a skipped case in the build folder EXCEPT do not run again.
+# without a skipped case in the build folder EXCEPT do not run again. Programs of other tests are
+# not built.
 SUITES ?=
 EXCEPT ?=
 
-.PHONY: demo test bench sanitize coverage mutants fuzz lint site deb install build clean
+.PHONY: demo test bench sanitize coverage mutants fuzz lint site deb install build program clean
 
 demo: build
 	$(BUILD)/opcflow run flows/demo.yaml
@@ -30,12 +32,16 @@ demo: build
 build: $(BUILD)/build.ninja
 	@ninja -C $(BUILD) --quiet
 
+program: $(BUILD)/build.ninja
+	@ninja -C $(BUILD) --quiet build.ninja >/dev/null
+	@ninja -C $(BUILD) --quiet $$(tools/targets $(BUILD))
+
 $(BUILD)/build.ninja:
 	@tools/install-packages
 	@meson setup $(BUILD) $(addprefix --prefix=,$(abspath $(PREFIX))) $(MESON_FLAGS) >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
 	@rm -f $(BUILD).log
 
-test: build
+test: $(BUILD)/build.ninja
 	@tools/install-packages zsh groff qemu-user python3-jsonschema ngspice iverilog python3-numpy mkdocs python3-pip python3-wheel
 	@tools/run-tests $(BUILD) $(addprefix --except ,$(EXCEPT)) $(SUITES)
 
@@ -44,11 +50,11 @@ bench: build
 
 # Leaks are looked for as well; libraries that keep memory for their whole life
 # are listed in tools/leaks. With -O2 and full debug information, the build takes
-# 3.7 times as long, and the tests save a quarter. Warnings are errors in the
-# release build only, because the compiler's warnings depend on the optimisation.
+# 3.7 times as long, and the tests save a quarter. Warnings are errors here as
+# well: .ci/run compiles most tests in this build only.
 sanitize:
 	@$(MAKE) --no-print-directory test BUILD=build-sanitize \
-	  MESON_FLAGS="--buildtype plain -Doptimization=g '-Dc_args=-g1 -Wno-error' \
+	  MESON_FLAGS="--buildtype plain -Doptimization=g -Dc_args=-g1 \
 	  -Db_sanitize=address,undefined -Db_lundef=false"
 
 FOLDERS ?=
