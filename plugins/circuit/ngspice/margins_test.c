@@ -78,7 +78,8 @@ static char *memory_deck(const char *card, const char *word, const char *data,
       "x5 g3 q2 s left\nx6 g4 qb2 s right\n"
       "e3 qb2 g3 m 0 1\ne4 g4 q2 m 0 1\n.nodeset v(q2)=0 v(qb2)=1.1\n"
       ".options gmin=1e-15 reltol=1e-5 abstol=1e-15\n"
-      ".control\nset numdgt=12\ndc vin 0 1.101 0.002\nwrdata %s v(qb0) v(q0)\n"
+      ".control\nset num_threads=1\nset numdgt=12\ndc vin 0 1.101 "
+      "0.002\nwrdata %s v(qb0) v(q0)\n"
       /* Separate sweeps: after a cell flips, the solver restarts, and all cells
          may flip. */
       "dc vn %g %g 0.00025\n"

@@ -294,7 +294,8 @@ static GArray *current_and_capacitance(const char *cards, const char *models,
                                        const char *transistor) {
   g_autofree char *deck = g_strdup_printf(
       "* deck\n%s\n%s\nVD d 0 1.1\nVG g 0 1.1 ac 1\nVE e 0 0\nVH h 0 1.1 ac 1\n"
-      "M1 d g 0 0 %s\nM2 e h 0 0 %s\n.control\nop\nlet qi=-i(vd)\nprint qi\n"
+      "M1 d g 0 0 %s\nM2 e h 0 0 %s\n.control\nset num_threads=1\nop\nlet "
+      "qi=-i(vd)\nprint qi\n"
       "ac lin 1 1e6 1e6\nlet qc=abs(imag(i(vh)))*1e9/6.2831853\nprint "
       "qc\n.endc\n.end\n",
       cards, models, transistor, transistor);
@@ -334,7 +335,8 @@ static void test_drawn(void) {
       "mn out in vss vss nmos w=0.2u l=0.06u\n"
       "mp out in vdd vdd pmos w=0.3u l=0.06u\n.ends\n";
   static const char *const rest =
-      "VDD s 0 1.1\nVI i 0 0.45\nX1 i o s 0 inv\nRL o 0 100k\n.control\nop\n"
+      "VDD s 0 1.1\nVI i 0 0.45\nX1 i o s 0 inv\nRL o 0 100k\n.control\nset "
+      "num_threads=1\nop\n"
       "let qv=v(o)\nprint qv\nlet qi=i(vdd)\nprint qi\ntf v(o) vi\n"
       "let qt=transfer_function\nprint qt\n.endc\n.end\n";
   g_autofree char *text = netlist_annotate("", 0, 0);
