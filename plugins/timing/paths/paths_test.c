@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests circuits with delays known in closed form. */
-#include "library_test.h"
+#include "printed_test.h"
 
 static void close_to(double a, double b, double within) {
   if (!(fabs(a - b) <= within)) g_error("%.12g is not %.12g", a, b);

@@ -4,7 +4,7 @@
 #include <eda/experiment.h>
 #include <stdlib.h>
 
-#include "library_test.h"
+#include "printed_test.h"
 
 static void close_to(double a, double b, double within) {
   if (!(fabs(a - b) <= within)) g_error("%.12g is not %.12g", a, b);
