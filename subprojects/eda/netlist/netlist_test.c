@@ -206,6 +206,32 @@ static void test_expressions(void) {
   g_rand_free(rand);
 }
 
+/* Invalid expressions, with their places. */
+static void test_bad_expressions(void) {
+  static const char *const cases[][2] = {
+      {"w='2*'", ".sp:4:25: a number is missing in '2*'"},
+      {"w='2*#'", ".sp:4:25: a number is missing in '2*#'"},
+      {"w='(2*3'", ".sp:4:25: a bracket is not closed in '(2*3'"},
+      {"w='2 3'", ".sp:4:25: not an expression in '2 3'"},
+      {"w='q'", ".sp:4:25: unknown parameter 'q'"},
+      {"w='a'",
+       ".sp:2:10: parameters are nested too deep or depend on each other in a "
+       "cycle in 'b'"},
+      {"w='1/0'", ".sp:4:25: a number is not finite in '1/0'"}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    opc_error error;
+    eda_netlist n = {.error = &error, .scale = 1};
+    eda_flat_netlist f;
+    g_autofree char *text = g_strdup_printf(
+        "* t\n.param a='b' b='a'\n.subckt s n1 n2\nM1 n1 n1 n1 n1 n l=1u "
+        "%s\n.ends\n",
+        cases[i][0]);
+    g_assert_cmpint(deck_flatten(&n, text, &f), ==, OPC_INVALID);
+    g_assert_true(g_str_has_suffix(error.message, cases[i][1]));
+    eda_netlist_clear(&n);
+  }
+}
+
 /* An X element is a transistor of a foundry kit if it has four nodes, W and L,
    and no subcircuit has its name. */
 static void test_wrapped(void) {
@@ -290,6 +316,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/netlist/grow", test_grow);
   g_test_add_func("/netlist/flat", test_flat);
   g_test_add_func("/netlist/expressions", test_expressions);
+  g_test_add_func("/netlist/bad-expressions", test_bad_expressions);
   g_test_add_func("/netlist/wrapped", test_wrapped);
   g_test_add_func("/netlist/check", test_check);
   return g_test_run();

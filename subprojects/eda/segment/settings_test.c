@@ -163,6 +163,98 @@ static void test_types(void) {
   }
 }
 
+/* Crossings of poly and active that are no transistors. Each case has boxes of
+   poly and of active. */
+static void test_crossings(void) {
+  static const struct {
+    eda_box poly[4], active[4];
+    const char *fault;
+  } cases[] = {
+      {{{300, -150, 450, 750}},
+       {{0, 0, 750, 200},
+        {0, 400, 750, 600},
+        {0, 0, 320, 600},
+        {400, 0, 750, 600}},
+       "the gate has a hole"},
+      {{{300, -150, 450, 750}, {450, 100, 600, 200}},
+       {{0, 0, 750, 600}},
+       "the gate is not a rectangle"},
+      {{{300, 0, 450, 750}},
+       {{0, 0, 750, 600}},
+       "an edge of poly coincides with an edge of active"},
+      {{{300, 100, 450, 750}}, {{0, 0, 750, 600}}, "poly ends on active"},
+      {{{300, -150, 900, 750}},
+       {{0, 0, 750, 600}},
+       "no two opposite sides are edges of poly"}};
+  for (size_t k = 0; k < G_N_ELEMENTS(cases); k++) {
+    opc_error e;
+    eda_gates *g;
+    eda_segment_report report;
+    eda_layout *layout = eda_layout_new(1, &e);
+    eda_layout_cell(layout, "TOP", &e);
+    box(layout, 0, "nwell", 5000, 0, 5100, 100);
+    for (int i = 0; i < 4; i++) {
+      eda_box p = cases[k].poly[i], a = cases[k].active[i];
+      if (p.x1) box(layout, 0, "poly", p.x0, p.y0, p.x1, p.y1);
+      if (a.x1) box(layout, 0, "active", a.x0, a.y0, a.x1, a.y1);
+    }
+    eda_segment_settings s = {.grid = 1};
+    g_assert_cmpint(eda_segment(NULL, layout, 0, &s, &g, &report, &e), ==,
+                    OPC_INVALID);
+    if (!g_str_has_suffix(e.message, cases[k].fault))
+      g_error("%zu: %s", k, e.message);
+    g_assert_null(g);
+    eda_layout_free(layout);
+  }
+}
+
+static void log_message(void *data, int warning, const char *message);
+
+/* Texts of cells and of the top cell, on gates and beside them. */
+static void test_notes(void) {
+  static const struct {
+    const char *first, *second; /* texts on gate 0, and on gate 0 of row_new */
+    const char *beside, *want;
+  } cases[] = {
+      {"ion=1.5", NULL, NULL, "1.5"},
+      {"ion=1.5", "ion=1.5", NULL, "1.5"},
+      {"ion=1.5", "ion=1.6", NULL,
+       "transistor 'TOP:1' has two notes: 'ion=1.5', and at (399, 10) nm "
+       "'ion=1.6'"},
+      {"ion=x", NULL, NULL, "note of 'TOP:1': *"},
+      {"ion=1.5", NULL, "VDD", "1.5"}};
+  for (size_t k = 0; k < G_N_ELEMENTS(cases); k++) {
+    opc_error e;
+    eda_gates *g;
+    eda_segment_report report;
+    g_autoptr(GString) log = g_string_new(NULL);
+    eda_layout *layout = row_new();
+    int32_t notes = eda_layout_layer(layout, "notes", &e);
+    eda_layout_add_text(layout, 0, notes, (eda_point){300, 0}, cases[k].first,
+                        &e);
+    if (cases[k].second)
+      eda_layout_add_text(layout, 0, notes, (eda_point){399, 10},
+                          cases[k].second, &e);
+    for (int i = 0; cases[k].beside && i < 2; i++)
+      eda_layout_add_text(layout, 0, notes, (eda_point){299, 7 + i},
+                          cases[k].beside, &e);
+    eda_segment_settings s = {.grid = 1, .log = log_message, .data = log};
+    int code = eda_segment(NULL, layout, 0, &s, &g, &report, &e);
+    g_autofree char *is =
+        code ? g_strdup(e.message)
+             : g_strdup_printf("%g", eda_gates_goal(g, 0).target[EDA_GOAL_ION]);
+    if (!g_pattern_match_simple(cases[k].want, is)) g_error("%zu: %s", k, is);
+    if (!code) g_assert_cmpint(eda_gates_goal(g, 1).given, ==, 0);
+    g_assert_cmpstr(log->str, ==,
+                    cases[k].beside
+                        ? "1 texts of layer 'notes' on no transistor: 2, the "
+                          "first 'VDD' at (299, 7) nm;"
+                        : "");
+    eda_gates_free(g);
+    eda_layout_free(layout);
+  }
+}
+
 /* Names and layers of further layers, missing and empty layers. */
 static void test_further(void) {
   static const struct {
@@ -292,6 +384,8 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/settings/flavours", test_flavours);
   g_test_add_func("/settings/types", test_types);
+  g_test_add_func("/settings/crossings", test_crossings);
+  g_test_add_func("/settings/notes", test_notes);
   g_test_add_func("/settings/further", test_further);
   g_test_add_func("/settings/messages", test_messages);
   g_test_add_func("/settings/edges", test_edges);
