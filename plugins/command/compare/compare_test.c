@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Comparisons of synthetic run folders: verdicts by definition, paired
    differences of transistors with known intervals, and means over cases. */
+#include <glib/gstdio.h>
 #include <math.h>
 #include <opcflow/command.h>
 
+#include "boxes_test.h"
 #include "tests/run_folder.h"
 #include "tools/devel/testing.h"
 
@@ -308,6 +310,130 @@ static void test_fail_on(void) {
                   OPC_OK);
 }
 
+/* ---- masks ---- */
+
+/* Make a run that wrote a mask with a box of layer 9 and one of layer 11, of
+   the given widths. */
+static void masked_make(const char *name, int poly, int metal,
+                        const char *shots) {
+  static const char files[] =
+      "{ \"path\" : \"mask.gds\", \"bytes\" : 1, \"sha256\" : \"cc\" }";
+  g_autofree char *metrics = g_strdup_printf(
+      "{ \"cost\" : { \"shots\" : { \"value\" : %s, \"unit\" : null, "
+      "\"better\" : \"lower\", \"tolerance\" : 0 } } }",
+      shots);
+  folder_make(name, (made_run){.files = files, .metrics = metrics});
+  g_autofree char *folder = in_folder(name);
+  g_autofree char *path = g_build_filename(folder, "flow.yaml", NULL);
+  g_autofree char *flow = NULL;
+  g_assert_true(g_file_get_contents(path, &flow, NULL, NULL));
+  g_autofree char *with =
+      g_strconcat(flow,
+                  "  out:\n    use: write.gds\n    mask: ${mask.mask}\n"
+                  "    file: mask.gds\n    layers:\n      metal1: 11/0\n",
+                  NULL);
+  put_file(folder, "flow.yaml", with);
+  GByteArray *mask = file_begin(1);
+  put_box(mask, 1, 0, 0, 500, 500);
+  put_box(mask, 9, 0, 0, poly, 2000);
+  put_box(mask, 11, 0, 0, metal, 1000);
+  record_put(mask, EDA_GDS_ENDSTR, EDA_GDS_NOTHING, "", 0);
+  record_put(mask, EDA_GDS_ENDLIB, EDA_GDS_NOTHING, "", 0);
+  g_autofree char *gds = g_build_filename(folder, "mask.gds", NULL);
+  g_assert_true(
+      g_file_set_contents(gds, (char *)mask->data, (gssize)mask->len, NULL));
+  g_byte_array_unref(mask);
+  g_autofree char *cost =
+      g_strdup_printf("layer,shots\npoly,%s\nactive,2\nmetal1,7\n", shots);
+  put_file(folder, "cost.csv", cost);
+}
+
+/* Layer 9 is named by the table of costs, layer 11 by the step. Layers without
+   a difference are listed on request. */
+static void test_masks(void) {
+  static const struct {
+    const char *layer;
+    double base, area, differs, shots_base, shots;
+  } want[] = {{"active", 0.25, 0.25, 0, 2, 2},
+              {"poly", 2, 2.4, 0.4, 50, 40},
+              {"metal1", 1, 0.5, 0.5, 7, 7}};
+  masked_make("a", 1000, 1000, "50");
+  masked_make("b", 1200, 500, "40");
+  for (size_t all = 0; all < 2; all++) {
+    compare_good(all ? "{ all: true }" : "{}", "a", "b");
+    g_assert_cmpuint(opc_test_rows("masks"), ==, 2 + all);
+    for (size_t i = 0; i < 2 + all; i++) {
+      size_t k = i + !all;
+      g_assert_cmpstr(opc_test_text("masks", "layer", i), ==, want[k].layer);
+      const struct {
+        const char *column;
+        double value;
+      } figures[] = {{"area_base", want[k].base},
+                     {"area", want[k].area},
+                     {"differs", want[k].differs},
+                     {"places", want[k].differs > 0},
+                     {"rectangles", want[k].differs > 0},
+                     {"shots_base", want[k].shots_base},
+                     {"shots", want[k].shots}};
+      for (size_t c = 0; c < G_N_ELEMENTS(figures); c++)
+        g_assert_cmpfloat_with_epsilon(
+            opc_test_number("masks", figures[c].column, i), figures[c].value,
+            1e-9);
+    }
+  }
+}
+
+/* ---- runs of variants ---- */
+
+/* The latest run of each variant is compared. Other variants, names and runs
+   with longer names do not count. */
+static void test_variants(void) {
+  static const struct {
+    const char *folder, *variant, *started, *metrics;
+  } runs[] = {{"demo", NULL, "2026-01-01T00:00:00Z", RUN_ION("9.0")},
+              {"demo-2", NULL, "2026-01-03T00:00:00Z", RUN_ION("1.0")},
+              {"demo-10", NULL, "2026-01-02T00:00:00Z", RUN_ION("8.0")},
+              {"demo-x", NULL, "2026-01-09T00:00:00Z", RUN_ION("7.0")},
+              {"demos", NULL, "2026-01-09T00:00:00Z", RUN_ION("7.0")},
+              {"demo-fast", "fast", "2026-01-01T00:00:00Z", RUN_ION("6.0")},
+              {"demo-fast-2", "fast", "2026-01-02T00:00:00Z", RUN_ION("3.0")},
+              {"demo-fast-3", "other", "2026-01-05T00:00:00Z", RUN_ION("5.0")}};
+  g_autofree char *was = g_get_current_dir();
+  opc_error error = {0};
+  for (size_t i = 0; i < G_N_ELEMENTS(runs); i++) {
+    g_autofree char *name = g_build_filename("runs", runs[i].folder, NULL);
+    folder_make(name, (made_run){.variant = runs[i].variant,
+                                 .started = runs[i].started,
+                                 .metrics = runs[i].metrics});
+  }
+  put_file(opc_test_folder(), "any.yaml", "opcflow: 1\nname: 'demo'\n");
+  put_file(opc_test_folder(), "demo.yaml", "opcflow: 1\nsteps: {}\n");
+  g_assert_cmpint(g_chdir(opc_test_folder()), ==, 0);
+  static const char *const flows[] = {"any.yaml", "demo.yaml"};
+  for (size_t i = 0; i < 2; i++) {
+    compare_good("{ variant: 'base, fast' }", flows[i], NULL);
+    g_assert_cmpuint(opc_test_rows("runs"), ==, 2);
+    size_t row = row_of("metrics", "metric", "mask.ion");
+    g_assert_cmpfloat(opc_test_number("metrics", "base", row), ==, 1);
+    g_assert_cmpfloat(opc_test_number("metrics", "value", row), ==, 3);
+  }
+  g_assert_cmpint(
+      folders_compare("{ variant: 'base, lost' }", "any.yaml", NULL, &error),
+      ==, OPC_INVALID);
+  g_assert_true(g_str_has_prefix(error.message,
+                                 "runs/ has no run of 'lost': start one by "
+                                 "'opcflow run "));
+  g_assert_true(g_str_has_suffix(error.message, " --variant lost'"));
+  g_assert_cmpint(folders_compare("{ variant: fast }", "no.yaml", NULL, &error),
+                  ==, OPC_IO);
+  g_assert_cmpint(
+      folders_compare("{ variant: fast }", "any.yaml", "demo.yaml", &error), ==,
+      OPC_INVALID);
+  g_assert_cmpstr(error.message, ==,
+                  "'--variant' requires exactly one flow file");
+  g_assert_cmpint(g_chdir(was), ==, 0);
+}
+
 /* Comparison is refused for different layouts or optics. */
 static void test_refused(void) {
   static const made_run others[] = {{.layout = "bb"}, {.na = "0.85"}};
@@ -335,6 +461,8 @@ int main(int argc, char **argv) {
   g_test_add_func("/command.compare/classes", test_classes);
   g_test_add_func("/command.compare/cases", test_cases);
   g_test_add_func("/command.compare/fail_on", test_fail_on);
+  g_test_add_func("/command.compare/masks", test_masks);
+  g_test_add_func("/command.compare/variants", test_variants);
   g_test_add_func("/command.compare/refused", test_refused);
   return g_test_run();
 }
