@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests against a table in closed form, in which the edges of the active remove
    a strip of the channel. */
+#include <eda/memory.h>
 #include <math.h>
 #include <string.h>
 
@@ -151,6 +152,84 @@ static void test_reference(void) {
   }
 }
 
+/* Return a field that depends on x or y (`axis`) and is positive within `width`
+   around `centre` and further places at distances of `period`, which divides
+   the frame. B-spline coefficients of a cosine are the cosine divided by a
+   constant. */
+static eda_field wave(int axis, double centre, double period, double width) {
+  enum { N = 100 };
+  eda_field f = {{-470, -300, 1000, 1000}, N, N, NULL};
+  double turn = 2 * M_PI * 10 / period, level = cos(M_PI * width / period);
+  double sum = (66 + 52 * cos(turn) + 2 * cos(2 * turn)) / 120;
+  f.coefficients = eda_alloc((size_t)N * N, sizeof(float));
+  for (int j = 0; j < N; j++)
+    for (int i = 0; i < N; i++) {
+      double at = axis == EDA_X ? -470 + 10 * i : -300 + 10 * j;
+      f.coefficients[j * N + i] =
+          (float)(cos(2 * M_PI * (at - centre) / period) / sum - level);
+    }
+  return f;
+}
+
+/* Printed gates are rectangles 64 by 212 nm, drawn 60 by 200 nm. The extractor
+   has the currents of wide transistors per width; the reference lacks strips of
+   5 nm. */
+static void test_printed(void) {
+  g_autofree char *several = table_write("several.yaml", 4, 5);
+  g_autofree char *wide = table_write("wide.yaml", 1, 5);
+  opc_error error = {0};
+  eda_gates *g = eda_gates_new(2, 2);
+  g->grid = 1;
+  for (int i = 0; i < 2; i++) {
+    g->box[i] = (eda_box){0, 100 + 500 * i, 60, 300 + 500 * i};
+    g->type[i] = i ? EDA_PMOS : EDA_NMOS;
+    g->axis[i] = EDA_X;
+    g->length[i] = 60;
+    g->width[i] = 200;
+    g->extension[2 * i] = g->extension[2 * i + 1] = INFINITY;
+    g->space[2 * i] = g->space[2 * i + 1] = 400;
+    g->instance[i] = eda_gates_text(g, "");
+    g->cell[i] = eda_gates_text(g, "C");
+    g->number[i] = (uint32_t)i + 1;
+  }
+  eda_mask *mask = eda_mask_new(g);
+  mask->print[EDA_POLY] = wave(EDA_X, 30, 1000, 64);
+  mask->print[EDA_ACTIVE] = wave(EDA_Y, 200, 500, 212);
+  g_autofree char *text = g_strdup_printf(
+      "{ devices: '%s', extractor: { use: extractor.plain, devices: '%s' } }",
+      several, wide);
+  opc_test_forget();
+  g_autoptr(opc_module) m = opc_test_module("devices.check", text, &error);
+  if (!m) g_error("%s", error.message);
+  opc_test_input(m, "mask", mask);
+  if (opc_test_run(m, NULL, &error)) g_error("%s", error.message);
+  g_assert_cmpuint(opc_test_rows("printed"), ==, 2);
+  double shorter = exp(-4.0 / 30), known = 202.0 / 190 * shorter,
+         found = 212.0 / 200 * shorter;
+  double scale = 0.999 * 212 / 202; /* found / known current */
+  for (size_t i = 0; i < 2; i++) {
+    g_assert_cmpstr(opc_test_text("printed", "owner", i), ==, "C");
+    g_assert_cmpstr(opc_test_text("printed", "type", i), ==, i ? "p" : "n");
+    g_assert_cmpfloat(opc_test_number("printed", "number", i), ==, i + 1);
+    g_assert_cmpfloat(opc_test_number("printed", "width", i), ==, 200);
+    assert_close(opc_test_number("printed", "ion_error", i), 100 * (scale - 1),
+                 2e-3);
+    assert_close(opc_test_number("printed", "ion_deviation", i),
+                 100 * (found - 1), 2e-3);
+    assert_close(opc_test_number("printed", "ion_reference", i),
+                 100 * (known - 1), 2e-3);
+    assert_close(opc_test_number("printed", "ioff_deviation", i),
+                 100 * (212.0 / 200 * exp(-1) - 1), 2e-3);
+    assert_close(opc_test_number("printed", "ioff_reference", i),
+                 100 * (202.0 / 190 * exp(-1) - 1), 2e-3);
+  }
+  size_t row = opc_test_rows("check") - 1;
+  assert_close(opc_test_number("check", "ion_change_mean", row),
+               100 * fabs(found - known), 2e-2);
+  eda_mask_free(mask);
+  eda_gates_free(g);
+}
+
 static void test_refused(void) {
   g_autofree char *several = table_write("several.yaml", 4, 5);
   g_autofree char *wide = table_write("wide.yaml", 1, 5);
@@ -166,6 +245,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/devices-check/rectangles", test_rectangles);
   g_test_add_func("/devices-check/reference", test_reference);
+  g_test_add_func("/devices-check/printed", test_printed);
   g_test_add_func("/devices-check/refused", test_refused);
   return g_test_run();
 }
