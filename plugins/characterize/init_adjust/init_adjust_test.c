@@ -173,6 +173,7 @@ static void test_brute_force(void) {
    with the drawn length beyond the 65 nm of the anchor. Therefore the first
    correction falls with L. At W 200, the line has about twice the deviation. */
 static void test_falls_with_length(void) {
+  if (opc_test_sanitized_skip()) return;
   step_characterize(
       "lengths: [65 nm, 70 nm, 80 nm], widths: [200 nm, 300 nm], "
       "w_step: proportional, from: -16 nm, to: 2 nm, tie: 1 %");

@@ -146,6 +146,7 @@ static void test_definition(void) {
    requested error. Compare with the definition, and for an attenuated mask with
    the kernels. */
 static void test_lines(void) {
+  if (opc_test_sanitized_skip()) return;
   enum { PLACES = 40 };
   eda_box b = {-130, -400, 90, 400};
   double x[PLACES], y[PLACES], want[PLACES], got[PLACES];
@@ -179,6 +180,7 @@ static void test_lines(void) {
 /* Test that accurate images leave the model unchanged, are equal for equal
    errors, and do not use the kernels fixed by the parameters. */
 static void test_fine(void) {
+  if (opc_test_sanitized_skip()) return;
   opc_error error;
   g_autoptr(opc_module) m =
       opc_test_module("litho.hopkins", "{ kernels: 4 }", &error);
@@ -259,6 +261,7 @@ static void test_optics(void) {
 /* Test that an accurate image has at most the error of the model's own image
    even if a larger error is requested. */
 static void test_coarse(void) {
+  if (opc_test_sanitized_skip()) return;
   static const char *const parameters[] = {"{}", "{ error: 3e-4 }",
                                            "{ kernels: 60 }"};
   eda_point points[] = {{-130, -170}, {90, -170}, {90, 230}, {-130, 230}};
@@ -456,6 +459,7 @@ static double order(int k, double width, double period) {
 /* Test an isolated line against the double sum along one axis, with T by
    strips. */
 static void test_line(void) {
+  if (opc_test_sanitized_skip()) return;
   enum { REACH = 10, SIDE = 2 * REACH + 1 };
   static const double width = 65, period = 1490;
   const struct {

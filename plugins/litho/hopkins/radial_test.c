@@ -115,7 +115,7 @@ static void apply_matrix(const operator* o, const double *x, double *out) {
    the matrix of their common areas has the same eigenvalues. A common area is
    that of two unit disks shifted by two source points. */
 static operator pupils_operator(void) {
-  enum { CELLS = 46 };
+  enum { CELLS = 34 };
   static double x[CELLS * CELLS], y[CELLS * CELLS];
   operator o = {.apply = apply_matrix};
   double step = 2 * sigma / CELLS;

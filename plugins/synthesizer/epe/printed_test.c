@@ -89,6 +89,7 @@ static double width_at(printed *p, double defocus) {
 
 /* Assist features beside a line preserve its width out of focus. */
 static void test_depth(void) {
+  if (opc_test_sanitized_skip()) return;
   double lost[2];
   for (int srafs = 0; srafs < 2; srafs++) {
     printed p = print_line(srafs ? "assist: 1, assist_width: 50 nm, "
