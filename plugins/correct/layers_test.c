@@ -187,6 +187,7 @@ static void test_epe(void) {
 /* A fourth layer requires one more word in the flow. All layers are verified
    and written to one file. */
 static void test_four(void) {
+  if (opc_test_sanitized_skip()) return;
   cell c;
   correction four;
   cell_init(&c, "data/cells65/sram4.cif", "metal1: CM, metal2: CM2",

@@ -266,11 +266,11 @@ static opc_module *image_of(const eda_mask *mask) {
   opc_error error = {0};
   opc_module *m = opc_test_module(
       "draw.image",
-      "{ first: { litho: { use: litho.hopkins }, resist: { use: "
+      "{ first: { litho: { use: litho.hopkins, kernels: 12 }, resist: { use: "
       "resist.threshold, threshold: 0.3 } }, second: { litho: { use: "
-      "litho.hopkins, defocus: 80 nm }, resist: { use: resist.threshold, "
-      "threshold: 0.3 } }, margin: 3000 nm, window: [3000 nm, -1000 nm, 5000 "
-      "nm, 1000 nm], width: 300 }",
+      "litho.hopkins, kernels: 12, defocus: 80 nm }, resist: { use: "
+      "resist.threshold, threshold: 0.3 } }, margin: 3000 nm, window: [3000 "
+      "nm, -1000 nm, 5000 nm, 1000 nm], width: 300 }",
       &error);
   if (!m) g_error("%s", error.message);
   opc_test_input(m, "mask", (void *)mask);
