@@ -49,7 +49,7 @@ descent_moves descent_update(descent *d, const eda_feedback *f,
     d->moved[i] = (uint8_t)descent_next_length(d, f, i, moves);
     m.lengths += d->moved[i];
   }
-  if (!m.lengths && !lengths_only) d->fine = 1;
+  if ((!m.lengths || f->refines) && !lengths_only) d->fine = 1;
   for (size_t i = 0; i < d->count; i++) {
     control *c = &d->state[i];
     control_input in = descent_input(d, f, i);

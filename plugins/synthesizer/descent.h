@@ -3,7 +3,7 @@
    <correct/control.h> selects. Widths move only after all lengths have stopped,
    because the lengths of neighbours have the largest effect on a transistor.
    Until all lengths have stopped, the active layer need not be simulated again.
- */
+   In a refinement, widths do not wait, because few transistors move. */
 #pragma once
 
 #include <opcflow/plugin.h>

@@ -84,12 +84,6 @@ static void loop_show(loop *l) {
     }
 }
 
-/* Reset the displacements of transistors that keep their masks. */
-static void keep_still(loop *l) {
-  for (size_t i = 0; l->still && i < l->gates->count; i++)
-    if (l->still[i]) correct_start_reset(&l->start, &l->next.biases, i, 1);
-}
-
 /* Measure and record a simulation of the layers k with printed[k] = 1. */
 static int take_in(loop *l, const uint8_t *printed, int fine,
                    opc_error *error) {
@@ -185,7 +179,7 @@ static int loop_judge(loop *l, opc_error *error) {
   free(added);
   free(cutouts);
   drop_biases(l);
-  keep_still(l);
+  correct_start_keep(l);
   return code;
 }
 
@@ -203,6 +197,7 @@ static eda_feedback feedback_of(const loop *l, const driver *d) {
                         .print = l->printer.print,
                         .ion_limit = &l->ion_limit,
                         .rules = l->rules,
+                        .refines = l->start.limit != NULL,
                         .scanner = eda_scanner_of(&l->printer.litho.module)};
 }
 
@@ -347,7 +342,7 @@ static int driver_update(loop *l, int which, opc_error *error) {
   int code = driver_move(l, which, &moves, error);
   free(assists);
   drop_biases(l);
-  keep_still(l);
+  correct_start_keep(l);
   return code;
 }
 
@@ -434,7 +429,8 @@ static int loop_iterate(loop *l, opc_error *error) {
     }
     if ((code = move_all(l, ruled, error))) return code;
     l->iterations++;
-    if (all_done(l) && !any_changed(l, MAIN) && !any_changed(l, EDGES))
+    if ((all_done(l) || correct_start_is_done(l)) && !any_changed(l, MAIN) &&
+        !any_changed(l, EDGES))
       return OPC_OK;
   }
   return code;

@@ -92,9 +92,40 @@ static void drop_owned(loop *l, uint32_t gate) {
 
 static void open_one(loop *l, size_t i) {
   const loop_start *s = &l->start;
+  int begun = l->still[i] == STILL_BEGUN;
   if (!l->still[i] || !(s->limit[i] < INFINITY)) return;
   l->still[i] = 0;
-  drop_owned(l, (uint32_t)i);
+  if (begun) drop_owned(l, (uint32_t)i);
+}
+
+/* Copy the displacements of gate i, except those of line ends. */
+static void keep_now(loop *l, size_t i) {
+  const biases *from = &l->now.biases, *to = &l->next.biases;
+  size_t part = EDA_PARTS * i;
+  to->w[i] = from->w[i];
+  to->aside[i] = from->aside[i];
+  to->l[i] = from->l[i];
+  to->jog[i] = from->jog[i];
+  memcpy(to->part + part, from->part + part, EDA_PARTS * sizeof *to->part);
+}
+
+/* With `limit`, start the correction of a transistor whose line ends the
+   regulator displaced. */
+static void open_moved(loop *l, size_t i) {
+  const int32_t *end = l->next.biases.end + 2 * i;
+  if (l->start.limit && l->still[i] == STILL_BEGUN &&
+      memcmp(end, l->start.from->end + 2 * i, 2 * sizeof *end))
+    open_one(l, i);
+}
+
+void correct_start_keep(loop *l) {
+  for (size_t i = 0; l->still && i < l->gates->count; i++) {
+    open_moved(l, i);
+    if (l->still[i] == STILL_BEGUN)
+      correct_start_reset(&l->start, &l->next.biases, i, 1);
+    else if (l->still[i] && !l->vetoes[i])
+      keep_now(l, i);
+  }
 }
 
 void correct_start_open(loop *l, int violations) {
@@ -108,7 +139,13 @@ void correct_start_open(loop *l, int violations) {
         eda_deviation(l->measured.performance.ion[i], l->design.ion[i]);
     if (eda_print_failed(l->measured.flags[i]) || fabs(off) > s->limit[i])
       open_one(l, i);
+    else if (!l->still[i])
+      l->still[i] = STILL_WITHIN;
   }
+}
+
+int correct_start_is_done(const loop *l) {
+  return l->start.limit && !memchr(l->still, 0, l->gates->count);
 }
 
 /* Mark the owners of begun shapes that touch a box. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests which transistors a continued correction opens because of shapes that
-   the regulator adds, and the displacements that the regulator receives. */
+   the regulator adds, which transistors keep their masks, and the displacements
+   that the regulator receives. */
 #include <correct/start.h>
 
 #include <eda/memory.h>
@@ -90,6 +91,66 @@ static void test_open(void) {
   }
 }
 
+/* Transistor 0 is corrected and within its limit, 1 exceeds it again, the line
+   end of 2 is displaced, as is that of 3, which always keeps its mask. */
+static void test_keep(void) {
+  double ion[GATES] = {1.01, 1.03, 1, 1.5}, drawn[GATES] = {1, 1, 1, 1};
+  const double limit[GATES] = {2, 2, 2, INFINITY};
+  uint32_t flags[GATES] = {0}, vetoes[GATES] = {0};
+  const eda_box shapes[] = {{0, 0, 10, 10}, {20, 0, 30, 10}};
+  uint32_t owner_added[] = {1, 2};
+  uint32_t *owner[LISTS] = {owner_added};
+  eda_boxes begun[LISTS] = {boxes_copy(shapes, 2)};
+  uint8_t still[GATES] = {0, STILL_WITHIN, STILL_BEGUN, STILL_BEGUN};
+  const eda_gates gates = {.count = GATES, .layers = LAYERS};
+  eda_moved *from = eda_moved_new(LAYERS, GATES);
+  loop l = {.gates = &gates,
+            .begun = begun,
+            .still = still,
+            .vetoes = vetoes,
+            .start = {.limit = limit, .owner = owner, .from = from},
+            .design = {.ion = drawn}};
+  l.measured.performance.ion = ion;
+  l.measured.flags = flags;
+  correct_trial_init(&l.now, LAYERS, GATES);
+  correct_trial_init(&l.next, LAYERS, GATES);
+
+  correct_start_open(&l, 0);
+  g_assert_cmpuint(still[0], ==, STILL_WITHIN);
+  g_assert_cmpuint(still[1], ==, 0);
+  g_assert_cmpuint(begun[0].count, ==, 2); /* 1 had left the start before */
+  for (size_t i = 0; i < GATES; i++) {
+    from->l[i] = 1;
+    l.now.biases.l[i] = l.now.biases.part[EDA_PARTS * i].by = 5;
+    l.next.biases.l[i] = 7;
+  }
+  l.next.biases.end[0] = l.next.biases.end[4] = l.next.biases.end[6] = 3;
+  g_assert_false(correct_start_is_done(&l));
+  correct_start_keep(&l);
+  static const int32_t by[GATES] = {5, 7, 7, 1};
+  for (size_t i = 0; i < GATES; i++)
+    g_assert_cmpint(l.next.biases.l[i], ==, by[i]);
+  g_assert_cmpint(l.next.biases.part[0].by, ==, 5);
+  g_assert_cmpint(l.next.biases.end[0], ==, 3);
+  g_assert_cmpint(l.next.biases.end[6], ==, 0);
+  g_assert_true(!still[2] && still[3] == STILL_BEGUN);
+  g_assert_cmpuint(begun[0].count, ==, 1);
+
+  ion[1] = 1.015;
+  vetoes[0] = EDA_VETO_LONGER;
+  correct_start_open(&l, 0);
+  g_assert_true(correct_start_is_done(&l));
+  l.next.biases.l[0] = 4;
+  correct_start_keep(&l);
+  g_assert_cmpint(l.next.biases.l[0], ==, 4);
+  l.start.limit = NULL;
+  g_assert_false(correct_start_is_done(&l));
+  correct_trial_clear(&l.now);
+  correct_trial_clear(&l.next);
+  eda_moved_free(from);
+  free((eda_box *)begun[0].box);
+}
+
 /* Displacements of a gate in the start and in the loop, and the outward
    displacements of both active edges, counted by hand. */
 typedef struct moves {
@@ -174,6 +235,7 @@ int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_test_add_func("/start/touched", test_touched);
   g_test_add_func("/start/open", test_open);
+  g_test_add_func("/start/keep", test_keep);
   g_test_add_func("/start/printed", test_printed);
   return g_test_run();
 }

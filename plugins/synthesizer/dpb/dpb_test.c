@@ -28,6 +28,7 @@ typedef struct model {
     int from, every, most;
   } neighbours;
   const double *ion_limit; /* ion_limit of the step */
+  int refines;             /* 1: refinement of an earlier mask */
   int32_t l[MOST], w[MOST];
   GString *trace; /* "l,w " of the first transistor, appended after each
                      update */
@@ -56,7 +57,8 @@ static void model_run(opc_module *m, model *t) {
                     .design = &drawn,
                     .flags = flags,
                     .vetoes = vetoes,
-                    .ion_limit = t->ion_limit};
+                    .ion_limit = t->ion_limit,
+                    .refines = t->refines};
   eda_moves moves = {.l = t->l, .w = t->w};
   opc_error error;
   g_assert_cmpint(s->begin(m->self, &f, &error), ==, OPC_OK);
@@ -252,6 +254,19 @@ static void test_coarse_before_fine(void) {
   model_run(m, &t);
   g_assert_cmpstr(t.trace->str, ==, "1,0 0,0 0,0 0,0 0,0 0,-1 0,-1 0,-1 ");
   g_assert_cmpint(t.l[1], ==, 5);
+  g_string_free(t.trace, TRUE);
+}
+
+/* In a refinement, widths do not wait for the lengths of other transistors. */
+static void test_refines(void) {
+  g_autoptr(opc_module) m = model_make("{ w_step: unit, ion_limit: 0.5 % }");
+  model t = {.n = 2,
+             .offset = {-2, 30},
+             .by_l = {-3, -2},
+             .by_w = {0.8, 0.8},
+             .refines = 1};
+  model_run(m, &t);
+  g_assert_true(g_str_has_prefix(t.trace->str, "-1,0 -1,-1 -1,-1 "));
   g_string_free(t.trace, TRUE);
 }
 
@@ -527,6 +542,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/dpb/proportional", test_proportional);
   g_test_add_func("/dpb/exchange", test_exchange);
   g_test_add_func("/dpb/coarse-before-fine", test_coarse_before_fine);
+  g_test_add_func("/dpb/refines", test_refines);
   g_test_add_func("/dpb/taken-up", test_taken_up);
   g_test_add_func("/dpb/taken-up-often", test_taken_up_often);
   g_test_add_func("/dpb/table", test_table);

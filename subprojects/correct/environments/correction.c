@@ -225,7 +225,7 @@ static owners owners_find(const loop *l) {
   eda_box *box = eda_alloc(g->count, sizeof *box);
   size_t n = 0;
   for (uint32_t i = 0; i < g->count; i++) {
-    if (l->still && l->still[i]) continue;
+    if (l->still && l->still[i] == STILL_BEGUN) continue;
     box[n] = g->box[i];
     gate[n++] = i;
   }
@@ -304,7 +304,8 @@ int correction_put(const work *w, const loop *l, const uint32_t *place,
   out->add(out, &h, sizeof h);
   for (size_t i = 0; i < l->gates->count; i++)
     /* A transistor within its limit keeps its mask. */
-    if (place[i] != UINT32_MAX && !(l->start.limit && l->still[i]))
+    if (place[i] != UINT32_MAX &&
+        !(l->start.limit && l->still[i] == STILL_BEGUN))
       put_one(l, &o, place[i], i, out);
   owned_clear(&o);
   return OPC_OK;
@@ -438,13 +439,12 @@ static void take_one(correction *m, const corrected *one, const char *at) {
   work *w = m->on.work;
   const eda_chip_gate *g = &w->chip->gate[m->on.number[one->place]];
   uint32_t was = g->mask, *mask = &m->mask[one->place];
-  int placed = m->wide && work_continues(w);
+  int placed = m->wide && !w->round;
   if (m->wide && !placed && !(one->off < print_beyond(w, g))) return;
   *mask = correction_take(w, at);
   if (!m->wide) return;
   w->before[*mask] = w->before[was];
   if (w->cells.used) w->alone[*mask] = w->alone[was];
-  if (placed) w->alone[*mask].refined = 1;
 }
 
 static int take_sheet(void *data, size_t i, const void *bytes, size_t size,

@@ -268,8 +268,8 @@ double mask_limit(const work *w, uint32_t mask) {
   const alone *a = &w->alone[mask];
   double off = a->known ? print_deviation(&a->result) : 0;
   double limit = w->cells.max_diff + (isfinite(off) ? off : 0);
-  /* The synthesizer has finished transistors within `ion_limit`. */
-  return a->refined ? fmax(limit, w->with->ion_limit) : limit;
+  /* The synthesizer does not move transistors within `ion_limit`. */
+  return work_continues(w) ? fmax(limit, most) : limit;
 }
 
 double print_beyond(const work *w, const eda_chip_gate *g) {

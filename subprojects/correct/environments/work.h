@@ -46,11 +46,11 @@ typedef struct class_result {
 
 /* Figures of a mask in the cell for which it was made. `known`: 0: the mask was
    made in the layout. `seen`: ln(Ion of a fast simulation / Ion of an accurate
-   one), as in eda_moved. `refined`: 1: the mask was refined in the layout. */
+   one), as in eda_moved. */
 typedef struct alone {
   class_result result;
   double seen;
-  uint32_t known, refined;
+  uint32_t known, unused; /* unused: explicit padding */
 } alone;
 
 /* Rule violations (faults.c). */

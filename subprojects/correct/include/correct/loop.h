@@ -42,9 +42,9 @@ typedef struct loop {
   const eda_moved *base; /* displacements of the start; NULL: none */
   eda_boxes *begun; /* [2 * layers], shapes that the start adds to each layer,
                        then cut-outs of the start */
-  uint8_t *still;   /* [gates], 1: the transistor keeps the mask of the
-                       start; NULL: no transistor does, or the choice has
-                       not been made yet */
+  uint8_t *still;   /* [gates], STILL_*: the transistor keeps its mask; 0: the
+                       loop corrects the transistor; NULL: it corrects all, or
+                       the choice has not been made yet */
   int prepared;     /* 1: the extractor is prepared */
   int traced;       /* 1: record each simulation in `trace` */
   int checked;      /* 1: the caller verifies the mask, so the only accurate

@@ -45,10 +45,24 @@ OPC_EXPORT void correct_start_begin(struct loop *loop);
    to the loop, and change with the next call. */
 OPC_EXPORT const biases *correct_start_whole(const struct loop *loop);
 
+/* Values of loop.still. STILL_BEGUN: the transistor keeps the mask of the
+   start. STILL_WITHIN: the loop has corrected the transistor, which is within
+   its limit and keeps its displacements while it is. */
+enum { STILL_BEGUN = 1, STILL_WITHIN };
+
 /* With `limit`, select the transistors that the last simulation requires to
    correct. With `violations`, these are the transistors that violate a rule of
-   the regulator in the first simulation, otherwise those beyond `limit`. */
+   the regulator in the first simulation, otherwise those beyond `limit`; others
+   keep their present masks. */
 OPC_EXPORT void correct_start_open(struct loop *loop, int violations);
+/* Return 1 if the loop has a `limit` and all transistors keep their masks. */
+OPC_EXPORT int correct_start_is_done(const struct loop *loop);
+
+/* Set the next displacements of transistors that keep their masks: those of the
+   start, or the present ones, except line ends and displacements that the
+   regulator vetoes. With `limit`, a transistor whose line ends the regulator
+   displaces no longer keeps the mask of the start. */
+OPC_EXPORT void correct_start_keep(struct loop *loop);
 
 /* With `limit`, select the transistors whose shapes in a layer touch a shape
    that the regulator adds or cuts out. Both together can violate mask

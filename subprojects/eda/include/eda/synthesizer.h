@@ -58,6 +58,10 @@ typedef struct eda_feedback {
      rule; NULL: unknown. A synthesizer uses these values if its own rules are
      not set. Since 0.8. */
   const double *rules;
+
+  /* 1: refinement of an earlier mask. Only transistors beyond their limits are
+     to be corrected; all others have the figures of `design`. Since 0.9. */
+  int refines;
 } eda_feedback;
 
 /* If *limit, a parameter of a synthesizer, has no value (NAN), set it to the
