@@ -100,6 +100,8 @@ static void test_orientations(void) {
 
 #define DPB ", synthesizer: { use: synthesizer.dpb }"
 
+static double simulations; /* number of simulations of the last pair */
+
 /* Two cells, side by side, disturb each other. Return the largest |Ion
    deviation| of the flat simulation, %. */
 static double pair_off(const char *by, const char *more, double *refined) {
@@ -112,6 +114,7 @@ static double pair_off(const char *by, const char *more, double *refined) {
   eda_mask *mask = run_step(m);
   double most = 0;
   *refined = opc_test_metric("refined");
+  simulations = opc_test_metric("simulations");
   g_assert_cmpuint(mask->chip->count, ==, 4);
   g_assert_cmpfloat(off_flat(&d, mask, ", fine: 1e-4, margin: 4000 nm"), <,
                     0.3);
@@ -138,13 +141,20 @@ static void test_refined(void) {
 
 /* A synthesizer that continues from the simulated mask starts from the placed
    masks. All masks stay if the limit exceeds the disturbances, but not the
-   deviations of the drawn mask, which are larger. */
+   deviations of the drawn mask, which are larger. The refinement ends when all
+   transistors are within their limits. */
 static void test_continued(void) {
   double n;
   g_assert_cmpfloat(pair_off(DPB, ", max_diff: 6 %", &n), >, 1);
   g_assert_true(n == 0);
   g_assert_cmpfloat(pair_off(DPB, ", max_diff: 0.2 %", &n), <, 0.7);
   g_assert_true(n >= 1 && n <= 4);
+  (void)pair_off(DPB, ", max_diff: 0.05 %, ion_limit: 0.1 %", &n);
+  double all = simulations,
+         most = pair_off(DPB, ", max_diff: 1 %, ion_limit: 0.1 %", &n);
+  g_test_message("%.3f %%, %g of %g simulations", most, simulations, all);
+  g_assert_true(most > 0.2 && most < 1.2);
+  g_assert_true(n >= 1 && simulations < all);
 }
 
 /* Return the largest |Ion deviation| in the middle of rows of cells, with the
