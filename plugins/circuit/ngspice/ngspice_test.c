@@ -164,6 +164,42 @@ static char *nand_by_hand(const char *card, double length, double width) {
   return four_by_hand(card, cell->str);
 }
 
+/* The table of quantities has the mean of the drawn figures of the two falling
+   (first) or the two rising delays, and the deviations of largest magnitude. */
+static void compare_quantities(void) {
+  static const struct {
+    const char *name, *figure;
+    size_t first, last;
+  } want[] = {{"rise time", "slope", 2, 4},
+              {"fall time", "slope", 0, 2},
+              {"delay, rising", "delay", 2, 4},
+              {"delay, falling", "delay", 0, 2},
+              {"delay", "delay", 0, 4}};
+  g_assert_cmpuint(opc_test_rows("performance"), ==, G_N_ELEMENTS(want));
+  for (size_t q = 0; q < G_N_ELEMENTS(want); q++) {
+    g_autofree char *drawn = g_strdup_printf("%s drawn", want[q].figure);
+    g_autofree char *after = g_strdup_printf("%s after", want[q].figure);
+    double n = (double)(want[q].last - want[q].first), mean = 0, off = 0,
+           worst = 0;
+    for (size_t i = want[q].first; i < want[q].last; i++) {
+      double d = opc_test_number("delays", drawn, i),
+             by = 100 * (opc_test_number("delays", after, i) / d - 1);
+      mean += d / n;
+      off += by / n;
+      if (fabs(by) > fabs(worst)) worst = by;
+    }
+    g_assert_cmpstr(opc_test_text("performance", "quantity", q), ==,
+                    want[q].name);
+    g_assert_cmpfloat(opc_test_number("performance", "transitions", q), ==, n);
+    assert_near(want[q].name, opc_test_number("performance", "drawn", q), mean,
+                1e-6);
+    assert_near(want[q].name, opc_test_number("performance", "worst after", q),
+                worst, 1e-6);
+    assert_near(want[q].name, opc_test_number("performance", "mean after", q),
+                off, 1e-6);
+  }
+}
+
 static void test_delays(void) {
   if (!have_ngspice()) return;
   g_autofree char *card = of_project("data/devices/opcflow65.pm");
@@ -182,6 +218,7 @@ static void test_delays(void) {
   compare_four(drawn, "drawn");
   compare_four(drawn, "before");
   compare_four(after, "after");
+  compare_quantities();
   /* Thesis, equation 3.8: largest |deviation| of a delay. */
   double worst = 0;
   for (int i = 0; i < 4; i++) {
