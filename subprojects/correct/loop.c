@@ -113,15 +113,36 @@ int correct_loop_refine(loop *l, opc_error *error) {
   return code ? code : take_in(l, all, 1, error);
 }
 
-int correct_loop_print(loop *l, int all, opc_error *error) {
+static int loop_judge(loop *l, int smooth, opc_error *error);
+
+/* Build the masks of changed layers of `next`, or of all, and copy `next` to
+   `now`. The regulator repairs the mask rules of changed masks. Set printed[k]
+   of the built layers. */
+static int make_masks(loop *l, int all, uint8_t *printed, opc_error *error) {
+  enum { PASSES = 8 }; /* a repair may require the next; most masks need 2 */
+  const eda_regulator *r = l->regulator ? l->regulator->functions : NULL;
   size_t layers = l->gates->layers;
-  uint8_t *printed = eda_alloc(layers, 1);
-  for (size_t k = 0; k < layers; k++)
-    printed[k] = l->gates->corrected[k] && (all || layer_changed(l, k));
-  correct_trial_copy(&l->now, &l->next);
-  int code = OPC_OK;
-  for (size_t k = 0; k < layers && !code; k++)
-    if (printed[k]) code = make_mask(l, k, error);
+  uint8_t *fresh = eda_alloc(layers, 1);
+  int smooths = !all && r && r->smooth, again = 1, code = OPC_OK;
+  for (int pass = 0; again && !code && pass <= PASSES; pass++) {
+    if (pass) code = loop_judge(l, 1, error);
+    again = 0;
+    for (size_t k = 0; k < layers; k++) {
+      fresh[k] = l->gates->corrected[k] && (all || layer_changed(l, k));
+      printed[k] |= fresh[k];
+      again |= fresh[k] && smooths;
+    }
+    correct_trial_copy(&l->now, &l->next);
+    for (size_t k = 0; k < layers && !code; k++)
+      if (fresh[k]) code = make_mask(l, k, error);
+  }
+  free(fresh);
+  return code;
+}
+
+int correct_loop_print(loop *l, int all, opc_error *error) {
+  uint8_t *printed = eda_alloc(l->gates->layers, 1);
+  int code = make_masks(l, all, printed, error);
   if (!code) code = eda_printer_print(&l->printer, printed, l->mask, error);
   if (!code) code = correct_corners_print(l, printed, error);
   if (!code)
@@ -147,9 +168,11 @@ eda_printed correct_loop_printed(const loop *l) {
                        .scanner = eda_scanner_of(&l->printer.litho.module)};
 }
 
-static int loop_rule(loop *l, eda_ruling *ruling, opc_error *error) {
+static int loop_rule(loop *l, int smooth, eda_ruling *ruling,
+                     opc_error *error) {
   eda_printed p = correct_loop_printed(l);
-  int code = eda_call_rule(l->host->context, l->regulator, &p, ruling, error);
+  int code =
+      eda_call_rule(l->host->context, l->regulator, &p, smooth, ruling, error);
   if (code) return eda_blame(error, code, "regulator");
   for (size_t k = 0; k < l->gates->layers; k++) {
     /* Added shapes repair drawn edges of transistors. In poly and active layers
@@ -166,16 +189,16 @@ static int loop_rule(loop *l, eda_ruling *ruling, opc_error *error) {
 
 /* Let the regulator set the vetoes, and the line ends, added shapes and
    cut-outs of `next`. */
-static int loop_judge(loop *l, opc_error *error) {
+static int loop_judge(loop *l, int smooth, opc_error *error) {
   size_t layers = l->gates->layers;
-  memset(l->vetoes, 0, l->gates->count * sizeof *l->vetoes);
+  if (!smooth) memset(l->vetoes, 0, l->gates->count * sizeof *l->vetoes);
   if (!l->regulator) return OPC_OK;
   eda_ruling ruling = {.vetoes = l->vetoes,
                        .end = l->next.biases.end,
                        .added = eda_alloc(layers, sizeof *ruling.added),
                        .cutouts = eda_alloc(layers, sizeof *ruling.cutouts)};
   eda_boxes *added = ruling.added, *cutouts = ruling.cutouts;
-  int code = loop_rule(l, &ruling, error);
+  int code = loop_rule(l, smooth, &ruling, error);
   free(added);
   free(cutouts);
   drop_biases(l);
@@ -410,7 +433,7 @@ static int loop_iterate(loop *l, opc_error *error) {
   for (; !code; code = correct_loop_print(l, 0, error)) {
     if (loop_is_cancelled(l))
       return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
-    if ((code = loop_judge(l, error))) return code;
+    if ((code = loop_judge(l, 0, error))) return code;
     correct_assists_watch(l);
     if ((code = correct_search_watch(l, all_done(l), error))) return code;
     int ruled[DRIVERS], wait = 0;
@@ -467,10 +490,6 @@ static int loop_iterate_verified(loop *l, opc_error *error) {
     if (l->iterations == l->max_iterations) break;
   }
   return code;
-}
-
-eda_boxes correct_loop_begun(const loop *l, size_t layer, int cutouts) {
-  return l->begun[(cutouts ? l->gates->layers : 0) + layer];
 }
 
 static void loop_allocate(loop *l) {

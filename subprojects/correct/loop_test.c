@@ -515,18 +515,25 @@ static void test_edges(void) {
 
 /* A shape added to a metal layer requires another call of the synthesizer of
    that layer, as in poly. The other synthesizer is not affected. */
-static const eda_box metal_added = {-20, 180, 30, 220};
+static const eda_box metal_added[] = {{-20, 180, 30, 220}, {-20, 80, 30, 90}};
+static size_t metal_count = 1; /* 2 once smoothed, before a simulation */
 
 static int rule_metal(void *self, const eda_printed *p, eda_ruling *r,
                       opc_error *error) {
   (void)self, (void)error;
   g_assert_cmpuint(p->shapes[METAL].count, >=, 2);
-  r->added[METAL] = (eda_boxes){&metal_added, 1};
+  r->added[METAL] = (eda_boxes){metal_added, metal_count};
   return OPC_OK;
 }
 
-static const eda_regulator metal_regulator = {.rule = rule_metal,
-                                              .violations = none_broken};
+static int smooth_metal(void *self, const eda_printed *p, eda_ruling *r,
+                        opc_error *error) {
+  metal_count = 2;
+  return rule_metal(self, p, r, error);
+}
+
+static const eda_regulator metal_regulator = {
+    .rule = rule_metal, .violations = none_broken, .smooth = smooth_metal};
 
 static void test_edges_ruled(void) {
   loop l;
@@ -535,8 +542,7 @@ static void test_edges_ruled(void) {
   g_assert_cmpint(mover_updates, ==, 2);
   eda_shapes box, outside;
   opc_error error;
-  correct_shapes_of_boxes((boxes_lists){&(eda_boxes){&metal_added, 1}, 1},
-                          &box);
+  correct_shapes_of_boxes((boxes_lists){&(eda_boxes){metal_added, 2}, 1}, &box);
   g_assert_false(eda_boolean(EDA_NOT, &box, &l.mask[METAL], &outside, &error));
   g_assert_cmpuint(outside.count, ==, 0);
   g_assert_cmpuint(l.now.assists[EDA_POLY].count, ==, 0);

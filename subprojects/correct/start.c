@@ -75,6 +75,10 @@ const biases *correct_start_whole(const loop *l) {
   return &l->whole;
 }
 
+eda_boxes correct_loop_begun(const loop *l, size_t layer, int cutouts) {
+  return l->begun[(cutouts ? l->gates->layers : 0) + layer];
+}
+
 /* Remove the shapes of a transistor from the shapes of the start. */
 static void drop_owned(loop *l, uint32_t gate) {
   for (size_t k = 0; k < 2 * l->gates->layers; k++) {

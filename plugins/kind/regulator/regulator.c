@@ -57,7 +57,7 @@ static int try_rule(opc_inspector *in, const opc_module *m,
   int own = OPC_OK;
   const try_shim shim = {m, &own};
   const opc_module shown = {&forwards, (void *)&shim, m->id};
-  int code = eda_call_rule(in->context, &shown, printed, &ruling, &error);
+  int code = eda_call_rule(in->context, &shown, printed, 0, &ruling, &error);
   int good = try_call(in, "rule", own, code, &error);
   if (good) {
     in->add(in, vetoes, sizeof vetoes);

@@ -115,6 +115,12 @@ static inline void chip_judge(opc_module *m, chip *c) {
   g_assert_cmpint(r->rule(m->self, &c->p, &c->ruling, &error), ==, OPC_OK);
 }
 
+static inline void chip_smooth(opc_module *m, chip *c) {
+  const eda_regulator *r = m->functions;
+  opc_error error;
+  g_assert_cmpint(r->smooth(m->self, &c->p, &c->ruling, &error), ==, OPC_OK);
+}
+
 static inline size_t drc_violations(opc_module *m, chip *c, eda_violation *v,
                                     size_t capacity) {
   const eda_regulator *r = m->functions;

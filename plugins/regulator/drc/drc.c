@@ -93,17 +93,8 @@ static int is_transistor(uint32_t flags) {
 
 /* ---- work: the printed image ---- */
 
-static void drc_check_print(drc *r, const eda_printed *p, eda_ruling *ruling) {
-  repairs_check(r, p);
-  repairs_grow(r, p);
-  for (size_t i = 0; i < r->n_sites; i++) {
-    const site *s = &r->sites[i];
-    if (!s->failing || s->gate < 0 || s->layer != EDA_POLY ||
-        (s->kind != SITE_CONTACT && s->kind != SITE_GAP))
-      continue;
-    if (!ends_revert(r, s, ruling->end))
-      ruling->vetoes[s->gate] |= EDA_VETO_LONGER;
-  }
+/* Write the added shapes and cut-outs of the next mask. */
+static void drc_add_shapes(drc *r, const eda_printed *p, eda_ruling *ruling) {
   for (size_t k = 0; k < r->layers; k++)
     r->added[k].count = r->cutouts[k].count = 0;
   repairs_add_shapes(r, p);
@@ -115,6 +106,20 @@ static void drc_check_print(drc *r, const eda_printed *p, eda_ruling *ruling) {
     ruling->added[k] = (eda_boxes){r->added[k].box, r->added[k].count};
     ruling->cutouts[k] = (eda_boxes){r->cutouts[k].box, r->cutouts[k].count};
   }
+}
+
+static void drc_check_print(drc *r, const eda_printed *p, eda_ruling *ruling) {
+  repairs_check(r, p);
+  repairs_grow(r, p);
+  for (size_t i = 0; i < r->n_sites; i++) {
+    const site *s = &r->sites[i];
+    if (!s->failing || s->gate < 0 || s->layer != EDA_POLY ||
+        (s->kind != SITE_CONTACT && s->kind != SITE_GAP))
+      continue;
+    if (!ends_revert(r, s, ruling->end))
+      ruling->vetoes[s->gate] |= EDA_VETO_LONGER;
+  }
+  drc_add_shapes(r, p, ruling);
 }
 
 static int drc_rule(void *self, const eda_printed *p, eda_ruling *ruling,
@@ -131,6 +136,16 @@ static int drc_rule(void *self, const eda_printed *p, eda_ruling *ruling,
       ends_advance(r, p, end, &ruling->end[end]);
   }
   if (p->print) drc_check_print(r, p, ruling);
+  return OPC_OK;
+}
+
+static int drc_smooth(void *self, const eda_printed *p, eda_ruling *ruling,
+                      opc_error *error) {
+  drc *r = self;
+  int code = drc_find_sites(r, p, error);
+  if (code) return code;
+  places_clear(&r->mask);
+  if (p->print) drc_add_shapes(r, p, ruling);
   return OPC_OK;
 }
 
@@ -233,8 +248,8 @@ static void drc_follow(drc *r, eda_scanner scanner) {
 
 /* ---- entry ---- */
 
-static const eda_regulator functions = {.rule = drc_rule,
-                                        .violations = violations_of};
+static const eda_regulator functions = {
+    .rule = drc_rule, .violations = violations_of, .smooth = drc_smooth};
 
 OPC_PLUGIN(drc, .id = "regulator.drc", .kind = "regulator", .version = "0.2.0",
            .licence = "BSD-3-Clause",

@@ -30,9 +30,9 @@ static eda_shapes ruled_mask(const eda_shapes *base, const eda_ruling *r) {
   return now;
 }
 
-/* Lines with random jogs of 1 to 3 nm: after a few iterations the mask
-   satisfies the rules, differs little from the requested mask, and stays
-   constant. */
+/* Lines with random jogs of 1 to 3 nm: after a few repairs without a simulation
+   the mask satisfies the rules, differs little from the requested mask, and
+   stays constant. */
 static void test_jogs(void) {
   for (uint32_t seed = 1; seed <= 30; seed++) {
     g_autoptr(opc_module) m = drc_make("{}");
@@ -59,7 +59,10 @@ static void test_jogs(void) {
     eda_shapes mask = ruled_mask(&base, &c.ruling);
     for (int i = 0; i < 12 && settled < 2; i++) {
       c.mask[EDA_POLY] = mask;
-      chip_judge(m, &c);
+      if (i)
+        chip_smooth(m, &c);
+      else
+        chip_judge(m, &c);
       eda_shapes next = ruled_mask(&base, &c.ruling), differ;
       opc_error error;
       g_assert_cmpint(eda_boolean(EDA_XOR, &mask, &next, &differ, &error), ==,

@@ -187,7 +187,7 @@ int eda_call_update(const opc_context *context, const opc_module *synthesizer,
 /* ---- rulings ---- */
 
 int eda_call_rule(const opc_context *context, const opc_module *regulator,
-                  const eda_printed *printed, eda_ruling *ruling,
+                  const eda_printed *printed, int smooth, eda_ruling *ruling,
                   opc_error *error) {
   const eda_regulator *r = regulator->functions;
   const eda_gates *g = printed->gates;
@@ -199,7 +199,8 @@ int eda_call_rule(const opc_context *context, const opc_module *regulator,
       .cutouts = fence_new(layers, sizeof(eda_boxes), ruling->cutouts)};
   eda_ruling kept = lent;
   const char *before = eda_enter(context, regulator, error);
-  int code = r->rule(regulator->self, printed, &lent, error);
+  int code =
+      (smooth ? r->smooth : r->rule)(regulator->self, printed, &lent, error);
   if (!code) code = fence_check(kept.vetoes, "vetoes", error);
   if (!code) code = fence_check(kept.end, "line ends", error);
   if (!code) code = fence_check(kept.added, "added shapes", error);

@@ -108,13 +108,14 @@ OPC_EXPORT int eda_call_print(const opc_context *context,
                               const opc_module *resist, int layer,
                               eda_field *field, opc_error *error);
 
-/* eda_call_rule: call eda_regulator.rule. eda_call_violations: call
-   eda_regulator.violations, which writes at most `most` violations; *count is
-   the number of all violations. */
+/* eda_call_rule: call eda_regulator.rule, or smooth if `smooth` is 1; a
+   regulator without `smooth` is an error of the caller. eda_call_violations:
+   call eda_regulator.violations, which writes at most `most` violations; *count
+   is the number of all violations. */
 OPC_EXPORT int eda_call_rule(const opc_context *context,
                              const opc_module *regulator,
-                             const eda_printed *printed, eda_ruling *ruling,
-                             opc_error *error);
+                             const eda_printed *printed, int smooth,
+                             eda_ruling *ruling, opc_error *error);
 OPC_EXPORT int eda_call_violations(const opc_context *context,
                                    const opc_module *regulator,
                                    const eda_printed *printed,
