@@ -202,7 +202,7 @@ static void try_rule(int good) {
   eda_ruling r = {
       .vetoes = vetoes, .end = end, .added = added, .cutouts = cutouts};
   opc_error error;
-  int code = eda_call_rule(NULL, &regulator, &printed, &r, &error);
+  int code = eda_call_rule(NULL, &regulator, &printed, 0, &r, &error);
   expect_left(code, good ? "" : names[at_fault], &error);
   g_assert_cmpuint(vetoes[1], ==, good ? 3 : 0);
   g_assert_cmpint(end[3], ==, good ? 6 : 0);
