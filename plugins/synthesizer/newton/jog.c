@@ -126,22 +126,21 @@ double length_share(const sides *s, double to) {
   return sum;
 }
 
-/* Return the edge that moves by the next step of L: HIGH (1) if l is even. */
-static int edge_next(int32_t l) { return !(l & 1); }
+int length_side(int32_t l) { return !(l & 1); }
 
 double length_value(const sides *s, length x) {
-  return x.l + edge_share(s, edge_next(x.l), x.jog);
+  return x.l + edge_share(s, length_side(x.l), x.jog);
 }
 
 double length_jog(const sides *s, length x) {
-  int side = edge_next(x.l);
+  int side = length_side(x.l);
   int has = x.jog > 0 && x.jog < s->to[side] - s->from[side];
   return has ? s->from[side] + x.jog : NAN;
 }
 
 length length_nearest(const sides *s, double value, int32_t least) {
   length x = {(int32_t)floor(value), 0};
-  int side = edge_next(x.l);
+  int side = length_side(x.l);
   int32_t whole = s->to[side] - s->from[side];
   int32_t low = least < whole / 2 ? least : whole / 2, high = whole - low;
   double part = value - x.l;

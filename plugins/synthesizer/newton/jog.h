@@ -31,6 +31,9 @@ typedef struct length {
   int32_t l, jog;
 } length;
 
+/* Return the edge that moves by the next step of L: HIGH (1) if l is even. */
+int length_side(int32_t l);
+
 /* Return the effective change of L, grid steps. */
 double length_value(const sides *s, length x);
 

@@ -88,7 +88,7 @@ static inline void model_print(model *t, const int32_t *end,
       t->veto[i] = open ? EDA_VETO_SHORTER | EDA_VETO_NARROWER : 0;
     double known = fmax(printed, t->table);
     p->leq_ion[i] = known - thin / 0.022;
-    p->leq_ioff[i] = printed;
+    p->leq_ioff[i] = printed - t->leaky / 0.3;
     p->weq[i] = weq;
     p->area[i] = weq * printed;
     double off = p->leq_ion[i] - length, bent = fmin(off, 0);

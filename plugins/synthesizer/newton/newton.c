@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "observe.h"
+#include "mask.h"
 #include "tuning.h"
 
 /* ---- state ---- */
@@ -22,12 +22,6 @@ static const char *const verdicts[VERDICTS] = {
     "does not print",  "outside the table",
     "not done",        "Ioff: uneven length",
     "Ioff: bias limit"};
-
-enum { JOG, WIDTH, NONE };
-
-/* ---- work: sizes ---- */
-
-static double newton_tolerance(const newton *t) { return t->tolerance / 100; }
 
 static void newton_clear(void *self) {
   newton *t = self;
@@ -46,7 +40,10 @@ static int newton_begin(void *self, const eda_feedback *f, opc_error *error) {
   newton_clear(t);
   t->count = f->gates->count;
   t->rest = t->settled = t->reported = 0;
-  if (t->target != PLAIN) t->weight[IOFF] = tuned.leak;
+  if (t->target != PLAIN) {
+    t->weight[IOFF] = tuned.leak;
+    t->weight[AREA] = tuned.wide[t->target];
+  }
   t->state = eda_alloc(t->count, sizeof *t->state);
   t->sides = eda_alloc(t->count, sizeof *t->sides);
   t->parts = eda_alloc(t->count, sizeof *t->parts);
@@ -63,11 +60,6 @@ static int newton_begin(void *self, const eda_feedback *f, opc_error *error) {
 static const int only_l[MOVES] = {1, 0}, only_w[MOVES] = {0, 1},
                  both[MOVES] = {1, 1};
 
-/* Return the largest |bias| of W, grid steps. */
-static double width_most(const newton *t, const eda_gates *g, size_t i) {
-  return fmin(t->max_bias, g->width[i] / 2) / g->grid;
-}
-
 /* Return a step dx limited by vetoes and by the bound `most`, the cause in
  *why. */
 static double move_bounded(double x, double dx, double most, uint32_t veto_up,
@@ -79,128 +71,6 @@ static double move_bounded(double x, double dx, double most, uint32_t veto_up,
   double to = fmin(fmax(x + dx, -most), most);
   if (to != x + dx) *why = BIAS;
   return to - x;
-}
-
-/* Compute the errors predicted at mask length l and width w. */
-static void errors_after(const transistor *s, double l, double w,
-                         double rest[ERRORS]) {
-  for (int k = 0; k < ERRORS; k++)
-    rest[k] = s->error[k] + s->response.by[k][BY_L] * (l - s->x[BY_L]) +
-              s->response.by[k][BY_W] * (w - s->x[BY_W]);
-}
-
-/* Return mask `b`, or a mask with a jog at or beside the end of a part if its
-   length is nearer to l. mask_with_jog may find no such jog, because a jog near
-   the end of a part moves that end and so changes the length. */
-static biases mask_clear_jog(const newton *t, size_t i, double l, int32_t least,
-                             biases b) {
-  const parts *p = &t->parts[i];
-  const sides *s = &t->sides[i];
-  double off = fabs(mask_length(t, i, b) - l);
-  biases found = b;
-  int32_t first = b.l - 1;
-  for (int32_t whole = first; whole <= first + 2; whole++)
-    for (int k = 1; k < 3 * p->count && off > tuned.near_jog; k++) {
-      int side = whole & 1 ? 0 : 1;
-      double at = p->edge[k / 3] + (k % 3 - 1) * least;
-      int32_t jog = (int32_t)at - s->from[side];
-      if (jog < least || jog > s->to[side] - s->from[side] - least) continue;
-      b.l = whole;
-      b.jog = jog;
-      double next = fabs(mask_length(t, i, b) - l);
-      if (next >= off) continue;
-      off = next;
-      found = b;
-    }
-  return found;
-}
-
-/* Return the mask with the jog whose effective length is nearest to l. The
-   search iterates, because a jog moves ends of parts and so changes the
-   length. */
-static biases mask_with_jog(const newton *t, const eda_gates *g, size_t i,
-                            double l, int32_t w) {
-  int32_t least = (int32_t)ceil(t->min_jog / g->grid);
-  biases b = {.w = w, .shape = t->state[i].next.shape};
-  double shaped = shape_value(&t->parts[i], &b.shape);
-  for (int k = 0; k < 3; k++) {
-    length x = length_nearest(&t->sides[i], l - shaped, least);
-    b.l = x.l;
-    b.jog = x.jog;
-    shaped = mask_length(t, i, b) - length_value(&t->sides[i], x);
-  }
-  return mask_clear_jog(t, i, l, least, b);
-}
-
-/* Return `best` or, if its predicted errors are smaller, a mask whose W differs
-   by up to two steps (for narrow gates, whose jogs have a large effect). */
-static biases mask_with_width(const newton *t, const eda_feedback *f, size_t i,
-                              biases best) {
-  const transistor *s = &t->state[i];
-  double rest[ERRORS], more[MOVES], grid = f->gates->grid;
-  double most = width_most(t, f->gates, i);
-  int any = corrects_ioff(t); /* W moves for Ioff */
-  double enough =
-      any ? newton_tolerance(t)
-          : fmax(newton_ion_limit(t), tuned.coarse * newton_tolerance(t));
-  biases found = best;
-  errors_after(s, mask_length(t, i, best), best.w, rest);
-  double least = errors_size(t, rest);
-  if (least <= enough / t->goal[i].weight) return best;
-  for (int step = any ? -2 : -1; step <= (any ? 2 : 1); step++) {
-    uint32_t veto = step > 0 ? EDA_VETO_WIDER : EDA_VETO_NARROWER;
-    int32_t w = best.w + step;
-    if (!step || f->vetoes[i] & veto || abs(w) > most ||
-        w > fmax(width_limit(s), best.w))
-      continue;
-    errors_after(s, s->x[BY_L], w, rest);
-    response_solve(&s->response, rest, t->steer, only_l, more);
-    veto = more[BY_L] > 0 ? EDA_VETO_LONGER : EDA_VETO_SHORTER;
-    double l = s->x[BY_L] + more[BY_L];
-    if (f->vetoes[i] & veto || fabs(l) > t->max_bias / grid) continue;
-    biases next = mask_with_jog(t, f->gates, i, l, w);
-    errors_after(s, mask_length(t, i, next), w, rest);
-    if (errors_size(t, rest) >= least) continue;
-    least = errors_size(t, rest);
-    found = next;
-  }
-  return found;
-}
-
-/* Return the mask on the grid for wanted moves dx. L corrects the rounding of
-   W, a jog or W that of L (`fine`). */
-static biases mask_on_grid(const newton *t, const eda_feedback *f, size_t i,
-                           const double dx[MOVES], double enough, int cut) {
-  const transistor *s = &t->state[i];
-  double rest[ERRORS], more[MOVES];
-  int32_t w = (int32_t)lround(s->x[BY_W] + dx[BY_W]);
-  double l = s->x[BY_L] + dx[BY_L];
-  errors_after(s, l, w, rest);
-  response_solve(&s->response, rest, t->steer, only_l, more);
-  if (dx[BY_L] != 0 && !cut) l += fmin(fmax(more[BY_L], -1), 1);
-  const shape *edges = &s->next.shape;
-  double shaped = shape_value(&t->parts[i], edges);
-  int32_t whole = (int32_t)lround(l - shaped);
-  errors_after(s, whole + shaped, w, rest);
-  if (t->fine == NONE || (t->fine == JOG && errors_size(t, rest) <= enough))
-    return (biases){.l = whole, .w = w, .shape = *edges};
-  biases near = mask_with_jog(t, f->gates, i, l, w);
-  if (t->fine == JOG) return cut ? near : mask_with_width(t, f, i, near);
-  response_solve(&s->response, rest, t->weight, only_w, more);
-  return (biases){
-      .l = whole, .w = w + (int32_t)lround(more[BY_W]), .shape = *edges};
-}
-
-/* Return the size of the predicted errors of a mask and their uncertainty. */
-static double mask_expected_size(const newton *t, size_t i, biases next) {
-  const transistor *s = &t->state[i];
-  const response *r = &s->response;
-  double rest[ERRORS], wrong[ERRORS], l = mask_length(t, i, next);
-  errors_after(s, l, next.w, rest);
-  for (int k = 0; k < ERRORS; k++)
-    wrong[k] = hypot(r->doubt[BY_L] * r->by[k][BY_L] * (l - s->x[BY_L]),
-                     r->doubt[BY_W] * r->by[k][BY_W] * (next.w - s->x[BY_W]));
-  return hypot(errors_size(t, rest), errors_size(t, wrong));
 }
 
 /* Return the allowed part of a step of W. */
@@ -237,7 +107,7 @@ static int is_no_step(double steps) { return lround(steps) == 0; }
    Ioff, it also moves if the regulator undoes moves of L (trust radius below a
    grid step). If W cannot move either, L moves. */
 static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
-                          double enough, uint8_t *why, int *cut) {
+                          double enough, int leakage, uint8_t *why, int *cut) {
   const transistor *s = &t->state[i];
   /* Vetoes of `valid`, where the step after a failure starts, are unknown. */
   uint32_t veto = s->failed ? 0 : f->vetoes[i];
@@ -255,8 +125,7 @@ static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
     dx[BY_L] = fmin(fmax(wanted, -1), 1);
   }
   *cut = dx[BY_L] != wanted;
-  if (corrects_ioff(t) && f->iteration > 0)
-    move_with_leakage(t, f, i, veto, dx);
+  if (leakage) move_with_leakage(t, f, i, veto, dx);
   dx[BY_L] = move_bounded(s->x[BY_L], dx[BY_L], t->max_bias / f->gates->grid,
                           veto & EDA_VETO_LONGER, veto & EDA_VETO_SHORTER, why);
   if (repaired || (*why != MOVING && is_no_step(dx[BY_L])))
@@ -267,8 +136,7 @@ static biases newton_step(const newton *t, const eda_feedback *f, size_t i,
     next.w += (int32_t)lround(dx[BY_W]);
   else
     next = mask_on_grid(t, f, i, dx, enough, *cut && !free[BY_W]);
-  next.aside = t->settled && next.w == s->valid.w ? s->valid.aside
-                                                  : width_aside(s, next.w);
+  next.aside = t->settled ? s->valid.aside : width_aside(s, next.w);
   return next;
 }
 
@@ -291,42 +159,70 @@ static int edges_flatten(newton *t, const eda_feedback *f, size_t i) {
   if (!newton_reshapes(t, f)) return 0;
   const eda_gates *g = f->gates;
   const curve *c = &t->curve[g->type[i] == EDA_PMOS];
-  s->next.shape =
-      shape_flat(&t->parts[i], &s->ripple, &s->now.shape, c->slope[IOFF],
-                 t->gain[BY_L] * g->grid, tuned.smooth / g->grid,
-                 t->price / 100 / ripple_cost(g->length[i], c),
-                 (f->vetoes[i] & EDA_VETO_LONGER) != 0);
+  s->next.shape = shape_flat(
+      &t->parts[i], &s->ripple, &s->now.shape, c->slope[IOFF], length_gain(s),
+      tuned.smooth / g->grid, t->price / 100 / ripple_cost(g->length[i], c),
+      (f->vetoes[i] & EDA_VETO_LONGER) != 0);
   if (!memcmp(&s->next.shape, &s->now.shape, sizeof s->next.shape)) return 0;
-  newton_reshape(t, i, &s->next.shape);
+  newton_foresee(t, i, s->next);
   return 1;
+}
+
+/* Return the mask after Newton's step and the size of its predicted errors in
+   *hope. The step changes the ripple, and the ripple the errors that the step
+   corrects, so the better of two steps is chosen. If neither reduces the
+   errors, W stays and L alone corrects Ion. */
+static biases mask_after_step(newton *t, const eda_feedback *f, size_t i,
+                              double enough, int shaped, double *hope,
+                              uint8_t *why, int *cut) {
+  transistor *s = &t->state[i];
+  biases best = {0};
+  int leakage = corrects_ioff(t) && f->iteration > 0;
+  int steps = leakage && !s->failed && !shaped ? 3 : 1;
+  *hope = INFINITY;
+  *why = MOVING;
+  *cut = 0;
+  for (int k = 0; k < steps && (k < 2 || *hope >= s->size); k++) {
+    uint8_t reason = MOVING;
+    int is_cut;
+    biases next =
+        newton_step(t, f, i, enough, leakage && k < 2, &reason, &is_cut);
+    if (steps > 1) newton_foresee(t, i, next);
+    double size = mask_expected_size(t, i, next);
+    if (!(size < *hope)) continue;
+    best = next;
+    *hope = size;
+    *why = reason;
+    *cut = is_cut;
+  }
+  return best;
 }
 
 /* Return the next mask to try for one transistor. */
 static biases mask_propose(newton *t, const eda_feedback *f, size_t i) {
   transistor *s = &t->state[i];
-  double enough = newton_tolerance(t) / t->goal[i].weight;
+  double enough = newton_tolerance(t) / t->goal[i].weight, hope;
+  const biases stay = s->failed ? s->now : s->valid;
   s->verdict = WITHIN;
-  s->next = s->now;
-  if (t->goal[i].weight == 0 || (!s->failed && s->size <= enough))
-    return s->now;
+  s->next = stay;
+  if (t->goal[i].weight == 0 || (!s->failed && s->size <= enough)) return stay;
   s->verdict = NO_PRINT;
   if (s->failed && (isinf(s->size) || biases_equal(s->now, s->valid)))
     return mask_search(t, f, i);
-  uint8_t why = MOVING;
+  uint8_t why;
   int cut, shaped = !s->failed && edges_flatten(t, f, i);
-  biases next = newton_step(t, f, i, enough, &why, &cut);
+  biases next = mask_after_step(t, f, i, enough, shaped, &hope, &why, &cut);
   if (s->failed || shaped) return next;
-  double hope = mask_expected_size(t, i, next);
   s->verdict = MOVING;
   int held = cut && s->size > newton_ion_limit(t) &&
              trust_holds(&s->trust, s->x[BY_L]);
-  if (held && !biases_equal(next, s->now)) return next;
-  if (s->best_size <= hope && !biases_equal(s->best, s->now)) return s->best;
+  if (held && !biases_equal(next, stay)) return next;
+  if (s->best_size <= hope && !biases_equal(s->best, stay)) return s->best;
   double least_gain =
       corrects_ioff(t) || s->size > newton_ion_limit(t) ? 1 : tuned.worthwhile;
-  if (!biases_equal(next, s->now) && hope <= least_gain * s->size) return next;
+  if (!biases_equal(next, stay) && hope <= least_gain * s->size) return next;
   s->verdict = why == MOVING ? GRID : why;
-  return s->now;
+  return stay;
 }
 
 /* ---- work: termination ---- */
@@ -334,7 +230,7 @@ static biases mask_propose(newton *t, const eda_feedback *f, size_t i) {
 /* Return whether transistors within the limit stop moving: their further moves
    hardly change their currents, but disturb neighbours and the regulator. */
 static int newton_is_late(const newton *t, int64_t print) {
-  return t->settled && print >= tuned.settled[t->target] + tuned.polish;
+  return t->settled && print > tuned.settled;
 }
 
 static int is_within(const newton *t, size_t i) {
@@ -375,14 +271,22 @@ static int newton_is_done(newton *t, int64_t print) {
    now on only L moves, and corrects Ion. */
 static void newton_settle(newton *t) {
   t->settled = 1;
-  t->weight[IOFF] = 0;
+  t->weight[IOFF] = t->weight[AREA] = 0;
   for (size_t i = 0; i < t->count; i++) {
     transistor *s = &t->state[i];
-    s->revert = !biases_equal(s->now, s->best);
-    s->best_size = s->revert ? INFINITY : errors_size(t, s->error);
+    int reverted = s->best_size < tuned.worthwhile * s->size &&
+                   !biases_equal(s->now, s->best);
+    if (reverted) {
+      s->failed = 0;
+      s->valid = s->best;
+      s->x[BY_L] = mask_length(t, i, s->best);
+      s->x[BY_W] = s->best.w;
+      memcpy(s->error, s->best_error, sizeof s->error);
+      /* The ends of the bracket may be of another W. */
+      trust_forget(&s->trust);
+    }
     s->size = s->settled_size = errors_size(t, s->error);
-    /* The best mask may have another W, for which the bracket is unknown. */
-    s->trust.error[SHORT] = s->trust.error[LONG] = 0;
+    s->best_size = reverted ? INFINITY : s->size;
   }
 }
 
@@ -401,11 +305,6 @@ static void transistor_decide(void *data, size_t i) {
   newton *t = j->t;
   transistor *s = &t->state[i];
   int64_t k = j->f->iteration, last = t->iterations;
-  if (s->revert) {
-    s->next = s->best;
-    s->revert = 0;
-    return;
-  }
   biases next = mask_propose(t, j->f, i);
   if (k > last) {
     /* The regulator may still move shapes, so transistors that these shapes
@@ -416,7 +315,8 @@ static void transistor_decide(void *data, size_t i) {
   if (j->done || (newton_is_late(t, k) && is_within(t, i)))
     s->next = s->now;
   else
-    s->next = k == last ? s->best : next;
+    s->next = k == last || s->tries >= tuned.tries ? s->best : next;
+  if (corrects_ioff(t)) newton_foresee(t, i, s->next);
 }
 
 static int newton_update(void *self, const eda_feedback *f, eda_moves *moves,
@@ -430,7 +330,7 @@ static int newton_update(void *self, const eda_feedback *f, eda_moves *moves,
       t->parts[i] = parts_of(f->gates, i, &t->sides[i]);
   }
   newton_observe(t, f, moves);
-  int settles = corrects_ioff(t) && f->iteration == tuned.settled[t->target];
+  int settles = corrects_ioff(t) && f->iteration == tuned.settled;
   if (settles) newton_settle(t);
   decision j = {t, f, newton_is_done(t, f->iteration) && !settles};
   opc_parallel(t->host->context, t->count, transistor_decide, &j);

@@ -12,6 +12,8 @@
 
 /* ---- work: sizes ---- */
 
+double newton_tolerance(const newton *t) { return t->tolerance / 100; }
+
 double newton_ion_limit(const newton *t) { return t->ion_limit / 100; }
 
 double newton_stop(const newton *t) {
@@ -41,6 +43,19 @@ double mask_length(const newton *t, size_t i, biases b) {
          shape_value(&p, &b.shape);
 }
 
+double length_gain(const transistor *s) {
+  return s->first.by[ION][BY_L] / s->first.slope[ION];
+}
+
+double mask_shift(const newton *t, size_t i, biases a, biases b) {
+  parts p = mask_parts(t, i, a), q = mask_parts(t, i, b);
+  double sum = 0;
+  for (int k = 1; k < p.count; k++)
+    sum +=
+        fabs((p.share[k] - q.share[k]) * (b.shape.by[k - 1] - b.shape.by[k]));
+  return sum;
+}
+
 int corrects_ioff(const newton *t) { return t->target != PLAIN && !t->settled; }
 
 int newton_reshapes(const newton *t, const eda_feedback *f) {
@@ -66,10 +81,14 @@ static int ends_moved(const eda_gates *g, const int32_t *a, const int32_t *b) {
          abs(a[1] - b[1]) * g->grid > tuned.still;
 }
 
-/* Return the smallest change of log Ion that is significant. */
-static double least_visible(const newton *t, const transistor *s) {
+/* Return the smallest significant change of log Ion of an uncertainty. */
+static double least_change(const newton *t, double uncertainty) {
   return newton_ion_limit(t) * tuned.odd_limit +
-         tuned.odd_surprise * s->uncertainty;
+         tuned.odd_surprise * uncertainty;
+}
+
+static double least_visible(const newton *t, const transistor *s) {
+  return least_change(t, s->uncertainty);
 }
 
 /* Return whether log Ion changed by more than the transistor's own moves can
@@ -91,6 +110,7 @@ static void keep_best(transistor *s, uint32_t flags, int first) {
     return;
   s->best_size = s->size;
   s->best = s->now;
+  memcpy(s->best_error, s->error, sizeof s->best_error);
   s->outside = (flags & EDA_PRINT_OUTSIDE) != 0;
 }
 
@@ -114,7 +134,7 @@ static double pull_by_w(const newton *t, const transistor *s) {
 static void transistor_init(transistor *s, biases drawn) {
   s->valid = s->best = drawn;
   s->size = s->best_size = INFINITY;
-  s->point = (point){NAN, NAN};
+  s->point = (point){{NAN, NAN}, {NAN, NAN}};
 }
 
 /* Compute the outward moves of both ends of the width, grid steps. */
@@ -161,7 +181,7 @@ static void trust_update(const newton *t, transistor *s, const change *c,
   double before = s->pull, due = foreseen - before;
   s->pull = pull_of(t, s);
   int against = !(due * (s->pull - before) > 0);
-  double drift = s->disturbed && against ? INFINITY : least_visible(t, s);
+  double drift = s->disturbed && against ? INFINITY : least_change(t, s->noise);
   s->trust.slow = 0;
   trust_drift(&s->trust, pull_by_w(t, s) * c->dx[BY_W], drift);
   /* The result of a move of W for Ioff does not show whether L moved too far.
@@ -226,6 +246,8 @@ static void transistor_update(const newton *t, transistor *s,
   double error[ERRORS];
   change c;
   int first = f->iteration == 0, moved = !biases_equal(now, s->valid);
+  int reshaped = now.aside != s->valid.aside ||
+                 memcmp(&now.shape, &s->valid.shape, sizeof now.shape) != 0;
   int prints = errors_of(f, i, target, error);
   int printed = !first && isfinite(s->size);
   int ends = !first && ends_moved(f->gates, s->end, f->end + 2 * i);
@@ -246,7 +268,7 @@ static void transistor_update(const newton *t, transistor *s,
   double foreseen = s->pull + s->response.by[ION][BY_L] * c.dx[BY_L] + by_w;
   if (foreign)
     s->response = s->first;
-  else if (printed && moved)
+  else if (printed && moved && !reshaped)
     response_learn(&s->response, &s->first, c.dx, c.de, s->uncertainty);
   /* A move may have an effect that the response does not predict, so a
      transistor that moved is not disturbed. */
@@ -255,13 +277,23 @@ static void transistor_update(const newton *t, transistor *s,
   s->valid = now;
   memcpy(s->x, x, sizeof x);
   memcpy(s->error, error, sizeof error);
+  memset(s->excess, 0, sizeof s->excess);
   s->size = errors_size(t, error);
   s->settled_size = first || moved ? s->size : fmin(s->settled_size, s->size);
   s->point = point_of(f->printed, i);
-  if (newton_reshapes(t, f)) s->ripple = ripple_of(f, i, &t->parts[i]);
+  s->ripple = corrects_ioff(t) ? ripple_of(f, i, &t->parts[i]) : (ripple){0};
   response_bend(&s->response, &s->first, s->point, point_of(f->design, i),
                 f->gates->grid);
+  if (reshaped) trust_forget(&s->trust);
   if (!first) trust_update(t, s, &c, f->iteration > 1 ? foreseen : NAN);
+  /* The error of the best mask has increased: the size is no longer valid. */
+  int stale =
+      biases_equal(now, s->best) && s->best_size < tuned.worthwhile * s->size;
+  if (!t->settled || s->disturbed || stale ||
+      s->size < tuned.worthwhile * s->best_size)
+    s->tries = 0;
+  else
+    s->tries += (uint8_t)moved;
   keep_best(s, f->flags[i], first);
   if (corrects_ioff(t) && f->iteration >= tuned.shapes[BALANCED])
     bound_ends(t, s, f, i);
@@ -378,15 +410,32 @@ void newton_observe(newton *t, const eda_feedback *f, const eda_moves *moves) {
   if (f->iteration == 0) newton_start(t, f);
 }
 
-void newton_reshape(newton *t, size_t i, const shape *to) {
+static ripple ripple_next(const newton *t, size_t i, biases to) {
+  const transistor *s = &t->state[i];
+  const parts *p = &t->parts[i];
+  double gain = length_gain(s), blur = tuned.smooth / t->gates->grid;
+  ripple r =
+      ripple_after(p, &s->ripple, &s->valid.shape, &to.shape, gain, blur);
+  const biases of[] = {s->valid, to};
+  for (int k = 0; k < 2; k++) {
+    double at = length_jog(&t->sides[i], (length){of[k].l, of[k].jog});
+    double from = t->sides[i].from[length_side(of[k].l)];
+    if (isfinite(at)) ripple_add(p, &r, from, at, k ? gain : -gain, blur);
+  }
+  return r;
+}
+
+void newton_foresee(newton *t, size_t i, biases to) {
   transistor *s = &t->state[i];
-  const curve *c = &t->curve[t->gates->type[i] == EDA_PMOS];
-  ripple after = ripple_after(&t->parts[i], &s->ripple, &s->now.shape, to,
-                              t->gain[BY_L] * t->gates->grid,
-                              tuned.smooth / t->gates->grid);
-  for (int k = ION; k <= IOFF; k++)
-    s->error[k] += ripple_excess(&after, c->slope[k]) -
-                   ripple_excess(&s->ripple, c->slope[k]);
+  const double *slope = s->response.slope;
+  if (!s->ripple.count || s->failed) return;
+  ripple after = ripple_next(t, i, to);
+  for (int k = ION; k <= IOFF; k++) {
+    double excess =
+        ripple_excess(&after, slope[k]) - ripple_excess(&s->ripple, slope[k]);
+    s->error[k] += excess - s->excess[k];
+    s->excess[k] = excess;
+  }
   double before = s->pull;
   s->pull = pull_of(t, s);
   s->uncertainty += tuned.least_doubt * fabs(s->pull - before);
@@ -409,9 +458,14 @@ void newton_predict(newton *t, const eda_feedback *f) {
   double noise = tuned.coupling * mean + tuned.noise_floor;
   for (size_t i = 0; i < t->count; i++) {
     transistor *s = &t->state[i];
+    const biases next = s->next;
     int late = ends_moved(f->gates, s->end, f->next_end + 2 * i);
     if (f->iteration > 0) s->uncertainty = late ? tuned.late : 0;
     s->uncertainty += noise;
+    s->noise = s->uncertainty;
+    s->uncertainty +=
+        tuned.least_doubt *
+        fabs(s->response.by[ION][BY_L] * mask_shift(t, i, s->valid, next));
   }
 }
 

@@ -19,6 +19,9 @@ typedef struct biases {
    gate area. */
 enum { PLAIN, BALANCED, FULL, TARGETS };
 
+/* Corrections of the rounding error of L: by a jog, by W, none. */
+enum { JOG, WIDTH, NONE };
+
 /* Reasons for the remaining deviation of a transistor. */
 enum {
   WITHIN,
@@ -36,23 +39,25 @@ enum {
 /* State of a transistor. An error is log(printed / target); errors_size
    combines the errors of a transistor into their size. */
 typedef struct transistor {
-  biases now;           /* last simulated mask */
-  int failed;           /* 1: `now` did not print; the fields below then
-                           describe `valid` */
-  biases valid;         /* last mask that printed */
-  double x[MOVES];      /* moves of `valid`, grid steps; a jog is a fraction of
-                           a step */
-  point point;          /* measured point of the device curve */
-  double error[ERRORS]; /* errors of `valid`; in the first iteration those
-                           expected after the moves of line ends */
-  double size;          /* size of the errors; INFINITY if no mask has
-                           printed */
-  ripple ripple;        /* ripple of the length along W */
-  double pull;          /* pull: error of Ion alone that requires the same move
-                           of L as `error` */
-  biases next;          /* requested mask */
-  biases best;          /* mask with the least size so far */
-  double best_size;
+  biases now;            /* last simulated mask */
+  int failed;            /* 1: `now` did not print; the fields below then
+                            describe `valid` */
+  biases valid;          /* last mask that printed */
+  double x[MOVES];       /* moves of `valid`, grid steps; a jog is a fraction of
+                            a step */
+  point point;           /* measured point of the device curve */
+  double error[ERRORS];  /* errors of `valid`; in the first iteration those
+                            expected after the moves of line ends */
+  double size;           /* size of the errors; INFINITY if no mask has
+                            printed */
+  ripple ripple;         /* ripple of the length along W */
+  double excess[ERRORS]; /* part of `error` that is expected of the ripple of
+                            the next mask */
+  double pull;           /* pull: error of Ion alone that requires the same move
+                            of L as `error` */
+  biases next;           /* requested mask */
+  biases best;           /* mask with the least size so far */
+  double best_size, best_error[ERRORS];
   double settled_size;      /* least size of the errors since the transistor
                                last moved */
   response response, first; /* current and initial response */
@@ -66,11 +71,13 @@ typedef struct transistor {
   int32_t end[2];           /* line ends of the last simulated mask */
   double uncertainty;       /* uncertainty of the next log Ion due to line ends,
                                shapes and neighbours */
+  double noise;      /* part of `uncertainty` without the transistor's own
+                        moves */
   uint8_t disturbed; /* 1: other causes than the transistor's own moves changed
                         the currents */
   uint8_t outside;   /* 1: currents of the best mask are extrapolated beyond
                         the device table */
-  uint8_t revert;    /* 1: the next mask is `best` */
+  uint8_t tries;     /* moves since the best mask that did not improve it */
   uint8_t verdict;
 } transistor;
 
@@ -104,6 +111,9 @@ typedef struct newton {
 
 int biases_equal(biases a, biases b);
 
+/* Return `tolerance` as an error. */
+double newton_tolerance(const newton *t);
+
 /* Return `ion_limit` as an error. */
 double newton_ion_limit(const newton *t);
 
@@ -121,6 +131,15 @@ parts mask_parts(const newton *t, size_t i, biases b);
 /* Return the effective change of L by mask `b` of transistor i, grid steps; a
    jog counts as a fraction of a step. */
 double mask_length(const newton *t, size_t i, biases b);
+
+/* Return the sum of the |changes of length|, grid steps, by ends of parts that
+   have other positions in mask `b` than in mask `a`, because a jog moves them.
+ */
+double mask_shift(const newton *t, size_t i, biases a, biases b);
+
+/* Return the change of the printed length by a grid step of L, nm: the estimate
+   for all transistors of a type. */
+double length_gain(const transistor *s);
 
 /* Return whether W moves to correct Ioff. */
 int corrects_ioff(const newton *t);
@@ -142,9 +161,9 @@ int32_t width_aside(const transistor *s, int32_t w);
 /* Update the state of all transistors from the simulated mask of `moves`. */
 void newton_observe(newton *t, const eda_feedback *f, const eda_moves *moves);
 
-/* Set the errors of transistor i to those predicted after a change to shape
-   `to`. */
-void newton_reshape(newton *t, size_t i, const shape *to);
+/* Set the errors of transistor i to those predicted after the change of the
+   ripple by mask `to`; the change of L and W is not included. */
+void newton_foresee(newton *t, size_t i, biases to);
 
 /* Compute the uncertainty of the next log Ion of each transistor. */
 void newton_predict(newton *t, const eda_feedback *f);

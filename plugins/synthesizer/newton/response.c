@@ -47,8 +47,9 @@ void curves_measure(const eda_feedback *f, curve out[2]) {
 }
 
 point point_of(const eda_performance *p, size_t i) {
-  if (!has_performance(p, i)) return (point){NAN, NAN};
-  return (point){p->leq_ion[i], log(p->ion[i] / p->weq[i])};
+  if (!has_performance(p, i)) return (point){{NAN, NAN}, {NAN, NAN}};
+  return (point){{p->leq_ion[i], p->leq_ioff[i]},
+                 {log(p->ion[i] / p->weq[i]), log(p->ioff[i] / p->weq[i])}};
 }
 
 int errors_of(const eda_feedback *f, size_t i, const double target[ERRORS],
@@ -78,7 +79,7 @@ void errors_with_line_ends(const eda_feedback *f, size_t i,
 response response_first(const eda_gates *g, size_t i, const curve *of_type,
                         const double gain[MOVES]) {
   response r = {.doubt = {tuned.doubt[BY_L], tuned.doubt[BY_W]},
-                .slope = of_type->slope[ION]};
+                .slope = {of_type->slope[ION], of_type->slope[IOFF]}};
   for (int k = 0; k < ERRORS; k++) {
     double slope = k == AREA ? 1 / g->length[i] : of_type->slope[k];
     r.by[k][BY_L] = slope * gain[BY_L] * g->grid;
@@ -89,12 +90,14 @@ response response_first(const eda_gates *g, size_t i, const curve *of_type,
 
 void response_bend(response *r, response *first, point from, point to,
                    double least) {
-  double apart = to.length - from.length;
-  double slope = (to.drive - from.drive) / apart;
-  if (!(fabs(apart) >= least && slope < 0)) return;
-  r->by[ION][BY_L] *= slope / r->slope;
-  first->by[ION][BY_L] *= slope / first->slope;
-  r->slope = first->slope = slope;
+  for (int k = ION; k <= IOFF; k++) {
+    double apart = to.length[k] - from.length[k];
+    double slope = (to.drive[k] - from.drive[k]) / apart;
+    if (!(fabs(apart) >= least && slope < 0)) continue;
+    r->by[k][BY_L] *= slope / r->slope[k];
+    first->by[k][BY_L] *= slope / first->slope[k];
+    r->slope[k] = first->slope[k] = slope;
+  }
 }
 
 static double limit_response(double x, double first, double trust) {
@@ -116,6 +119,8 @@ void response_learn(response *r, const response *first, const double dx[MOVES],
       rest -= r->by[k][m] * dx[m];
     }
     if (!(square > 0)) continue;
+    double most = tuned.odd_surprise * sqrt(square);
+    rest = fmin(fmax(rest, -most), most);
     for (int m = 0; m < MOVES; m++) {
       if (k == ION)
         doubt[m] = r->doubt[m] * sqrt(fmax(1 - part[m] * dx[m] / square, 0));

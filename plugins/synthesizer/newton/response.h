@@ -18,8 +18,8 @@ enum { BY_L, BY_W, MOVES };
 /* by: d error / d move, per grid step. doubt: relative uncertainty of `by`. */
 typedef struct response {
   double by[ERRORS][MOVES], doubt[MOVES];
-  double slope; /* d log(Ion / W) / dL, 1/nm, the device slope that `by`
-                   contains */
+  double slope[2]; /* d log(I / W) / dL of Ion and Ioff, 1/nm, the device
+                      slopes that `by` contains */
 } response;
 
 /* Slopes of wide transistors of one type, 1/nm: d log(I / W) / dL for both
@@ -28,10 +28,10 @@ typedef struct curve {
   double slope[ERRORS];
 } curve;
 
-/* A point of the device curve of a transistor: equivalent length of Ion, nm,
-   and log(Ion / W). Both are NAN if unknown. */
+/* A point of each device curve of a transistor, of Ion and of Ioff: equivalent
+   length, nm, and log(I / W). All are NAN if unknown. */
 typedef struct point {
-  double length, drive;
+  double length[2], drive[2];
 } point;
 
 point point_of(const eda_performance *p, size_t i);
@@ -56,15 +56,17 @@ void errors_with_line_ends(const eda_feedback *f, size_t i,
 response response_first(const eda_gates *gates, size_t i, const curve *of_type,
                         const double gain[MOVES]);
 
-/* Scale a response and the initial response to the slope of the device curve
-   between two points. Do nothing if the points are less than `least` nm apart
-   or the slope is not negative. */
+/* Scale a response and the initial response to the slope of each device curve
+   between two points. A slope remains if the points are less than `least` nm
+   apart or the slope between them is not negative. */
 void response_bend(response *r, response *first, point from, point to,
                    double least);
 
 /* Update a response by Broyden's formula, weighted by the uncertainties. dx:
    move; de: change of the errors. Other causes change log Ion by `noise`
-   (standard deviation). tuned.trust limits the ratio of the response to
+   (standard deviation). A change that differs from the prediction by more than
+   tuned.odd_surprise standard deviations counts as one that differs by so many,
+   because it has another cause. tuned.trust limits the ratio of the response to
    `first`. */
 void response_learn(response *r, const response *first, const double dx[MOVES],
                     const double de[ERRORS], double noise);

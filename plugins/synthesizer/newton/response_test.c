@@ -113,8 +113,10 @@ static void test_errors(void) {
   assert_near(more[IOFF], e[IOFF] - 0.39 * (mean - p[3][7]));
   assert_near(more[AREA], e[AREA]);
   point at = point_of(&d.performance[1], 7);
-  assert_near(at.length, p[2][7]);
-  assert_near(exp(at.drive), p[0][7] / p[4][7]);
+  for (int k = 0; k < 2; k++) {
+    assert_near(at.length[k], p[2 + k][7]);
+    assert_near(exp(at.drive[k]), p[k][7] / p[4][7]);
+  }
   static const uint32_t gone[] = {EDA_PRINT_OPEN, EDA_PRINT_MERGED,
                                   EDA_PRINT_ISLAND, EDA_PRINT_NO_ACTIVE};
   for (size_t k = 0; k < G_N_ELEMENTS(gone); k++) {
@@ -132,7 +134,8 @@ static void test_errors(void) {
     memset(more, 0, sizeof more);
     errors_with_line_ends(&d.feedback, 7, &c, more);
     g_assert_cmpfloat(fabs(more[ION]) + fabs(more[IOFF]), ==, 0);
-    g_assert_true(isnan(point_of(&d.performance[1], 7).drive));
+    at = point_of(&d.performance[1], 7);
+    g_assert_true(isnan(at.drive[ION]) && isnan(at.drive[IOFF]));
     p[k][7] = kept;
   }
 }
@@ -149,7 +152,8 @@ static void test_first(void) {
   assert_near(r.by[AREA][BY_L], 1 / d.length[3]);
   for (int k = 0; k < ERRORS; k++)
     assert_near(r.by[k][BY_W], 0.35 / d.width[3]);
-  assert_near(r.slope, -0.05);
+  assert_near(r.slope[ION], -0.05);
+  assert_near(r.slope[IOFF], -0.39);
   for (int m = 0; m < MOVES; m++) assert_near(r.doubt[m], tuned.doubt[m]);
 }
 
@@ -157,19 +161,27 @@ static void test_first(void) {
    ratio; nothing else changes. */
 static void test_bend(void) {
   response first = {.by = {{-0.1, 0.02}, {-0.8, 0.02}, {0.02, 0.02}},
-                    .slope = -0.05},
+                    .slope = {-0.05, -0.4}},
            r = first;
   r.by[ION][BY_L] = -0.12;
-  const point from = {60, 1};
-  const point to[] = {{64, 0.9}, {50, 1.3}, {62, 0.8}};
+  r.by[IOFF][BY_L] = -0.9;
+  const point from = {{60, 58}, {1, 2}};
+  const point to[] = {
+      {{64, 60}, {0.9, 1.5}}, {{50, 51}, {1.3, 7}}, {{62, 70}, {0.8, -3}}};
   for (int k = 0; k < 3; k++) {
-    double now = (to[k].drive - 1) / (to[k].length - 60);
+    double ion = (to[k].drive[ION] - 1) / (to[k].length[ION] - 60);
+    double ioff = (to[k].drive[IOFF] - 2) / (to[k].length[IOFF] - 58);
     response_bend(&r, &first, from, to[k], 1);
-    assert_near(r.by[ION][BY_L], -0.12 * now / -0.05);
-    assert_near(first.by[ION][BY_L], -0.1 * now / -0.05);
+    assert_near(r.by[ION][BY_L], -0.12 * ion / -0.05);
+    assert_near(first.by[ION][BY_L], -0.1 * ion / -0.05);
+    assert_near(r.by[IOFF][BY_L], -0.9 * ioff / -0.4);
+    assert_near(first.by[IOFF][BY_L], -0.8 * ioff / -0.4);
   }
   response before = r, first_before = first;
-  const point none[] = {{60.9, 0.5}, {64, 1.1}, {50, 0.9}, {NAN, NAN}};
+  const point none[] = {{{60.9, 57.1}, {0.5, 3}},
+                        {{64, 62}, {1.1, 2.5}},
+                        {{50, 48}, {0.9, 1}},
+                        {{NAN, NAN}, {NAN, NAN}}};
   for (size_t k = 0; k < G_N_ELEMENTS(none); k++)
     response_bend(&r, &first, from, none[k], 1);
   g_assert_cmpmem(&r, sizeof r, &before, sizeof before);
@@ -186,12 +198,18 @@ static void most_likely_response(const response *r, const response *first,
   for (int k = 0; k < ERRORS; k++) {
     double of_noise = noise * first->by[k][BY_L] / first->by[ION][BY_L];
     double a[2][2], y = de[k], weight = 1 / (of_noise * of_noise);
+    double square = of_noise * of_noise;
     for (int m = 0; m < MOVES; m++) {
       double spread = r->doubt[m] * r->by[k][m];
       for (int n = 0; n < MOVES; n++)
         a[m][n] = weight * dx[m] * dx[n] + (m == n ? 1 / (spread * spread) : 0);
       y -= r->by[k][m] * dx[m];
+      square += spread * spread * dx[m] * dx[m];
     }
+    /* An improbable change counts as one of odd_surprise standard deviations.
+     */
+    double most = tuned.odd_surprise * sqrt(square);
+    y = CLAMP(y, -most, most);
     double det = a[0][0] * a[1][1] - a[0][1] * a[1][0];
     for (int m = 0; m < MOVES; m++) {
       double step = weight * y * (dx[m] * a[!m][!m] - dx[!m] * a[m][!m]) / det;

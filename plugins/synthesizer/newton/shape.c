@@ -135,12 +135,25 @@ ripple ripple_of(const eda_feedback *f, size_t i, const parts *p) {
   return r;
 }
 
-/* Return the change of length, nm, at sample j by a step of part k. */
+/* Return the change of length, nm, at sample j by a step of an edge from `from`
+   to `to`. */
+static double step_effect(const parts *p, double from, double to, int j,
+                          double gain, double blur) {
+  double at = sample_position(p, j);
+  return gain * (normal_distribution((to - at) / blur) -
+                 normal_distribution((from - at) / blur));
+}
+
 static double part_effect(const parts *p, int k, int j, double gain,
                           double blur) {
-  double at = sample_position(p, j);
-  return gain * (normal_distribution((p->edge[k + 1] - at) / blur) -
-                 normal_distribution((p->edge[k] - at) / blur));
+  return step_effect(p, p->edge[k], p->edge[k + 1], j, gain, blur);
+}
+
+void ripple_add(const parts *p, ripple *r, double from, double to, double gain,
+                double blur) {
+  for (int j = 0; j < r->count; j++)
+    r->off[j] += step_effect(p, from, to, j, gain, blur);
+  if (r->count) less_mean(r);
 }
 
 ripple ripple_after(const parts *p, const ripple *now, const shape *from,

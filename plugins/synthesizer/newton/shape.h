@@ -57,6 +57,11 @@ ripple ripple_of(const eda_feedback *f, size_t i, const parts *p);
 ripple ripple_after(const parts *p, const ripple *now, const shape *from,
                     const shape *to, double gain, double blur);
 
+/* Add the effect of a step by `gain` nm of an edge from `from` to `to`, grid
+   steps from the LOW end of the box. */
+void ripple_add(const parts *p, ripple *r, double from, double to, double gain,
+                double blur);
+
 /* Return the width, grid steps, of the strip at an end of the width in which
    printed minus drawn length is below `least` (nm, negative). The strip extends
    inwards from `from` steps outside of the drawn end; `high`: 1: HIGH end, 0:

@@ -31,6 +31,8 @@ void trust_see(trust *t, double x, double error) {
   t->error[end] = error;
 }
 
+void trust_forget(trust *t) { t->error[SHORT] = t->error[LONG] = 0; }
+
 static int has_bracket(const trust *t) {
   return t->error[SHORT] != 0 && t->error[LONG] != 0;
 }
@@ -41,7 +43,8 @@ void trust_judge(trust *t, double dx, double before, double foreseen,
   double part = (before - now) / (before - foreseen);
   t->slow = part < 1 / tuned.unanswered;
   if (part > 0.75) t->radius = fmax(t->radius, 2 * fabs(dx));
-  if (t->slow && !has_bracket(t)) t->radius = fabs(dx) / 4;
+  /* A neighbour may hide the effect of a jog. */
+  if (t->slow && !has_bracket(t) && fabs(dx) >= 1) t->radius = fabs(dx) / 4;
 }
 
 /* Return the limit of a step from x towards an end of the bracket. The limit is
@@ -60,4 +63,8 @@ double trust_step(const trust *t, double x, double dx) {
 
 int trust_holds(const trust *t, double x) {
   return has_bracket(t) && t->at[SHORT] <= x && x <= t->at[LONG];
+}
+
+int trust_permits(const trust *t, double x) {
+  return !has_bracket(t) || (t->at[SHORT] < x && x < t->at[LONG]);
 }

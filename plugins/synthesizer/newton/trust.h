@@ -25,6 +25,9 @@ void trust_drift(trust *t, double shift, double noise);
 /* Drop ends that did not print, as a short line end may have been the cause. */
 void trust_forget_lost(trust *t);
 
+/* Drop both ends: they were of another shape or width. */
+void trust_forget(trust *t);
+
 /* Make length x an end of the bracket. `error`: error of log Ion at x;
    INFINITY: x is too short to print; -INFINITY: too long. Drop the other end if
    it is on the wrong side of x. */
@@ -41,3 +44,6 @@ double trust_step(const trust *t, double x, double dx);
 
 /* Return whether both ends of the bracket are known and x is between them. */
 int trust_holds(const trust *t, double x);
+
+/* Return whether x is between the ends of the bracket, or an end is unknown. */
+int trust_permits(const trust *t, double x);

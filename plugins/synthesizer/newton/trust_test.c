@@ -21,7 +21,12 @@ static void test_bracket(void) {
     g_assert_cmpint(n, <, 20);
     x += trust_step(&t, x, curve_ion(x) / 0.002);
     g_assert_true(seen[SHORT] < x && x < seen[LONG]);
+    g_assert_true(trust_permits(&t, x));
   }
+  g_assert_false(trust_permits(&t, seen[SHORT]));
+  g_assert_false(trust_permits(&t, seen[LONG]));
+  trust_forget(&t);
+  g_assert_true(trust_permits(&t, seen[LONG]));
 }
 
 static void test_radius(void) {
@@ -29,6 +34,8 @@ static void test_radius(void) {
   trust_judge(&t, -8, 0.2, 0.1, 0.21);
   g_assert_cmpfloat(t.radius, ==, 2);
   trust_judge(&t, -2, 0.2, 0.1, 0.1);
+  g_assert_cmpfloat(t.radius, ==, 4);
+  trust_judge(&t, -0.5, 0.2, 0.1, 0.21); /* a jog */
   g_assert_cmpfloat(t.radius, ==, 4);
   trust_see(&t, 0, -0.1);
   trust_see(&t, -9, INFINITY);

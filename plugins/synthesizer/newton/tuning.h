@@ -15,8 +15,8 @@ static const struct {
   double odd_limit, odd_surprise, unanswered;
   double coarse, worthwhile, mean_part, patience;
   double blur, short_end, past_end, before_end;
-  double smooth, firm, local, tail, near_jog, leak, leaks;
-  uint32_t shapes[3], settled[3], polish;
+  double smooth, firm, local, tail, near_jog, leak, leaks, wide[3];
+  uint32_t shapes[3], settled, tries;
 } tuned = {
     /* ---- the first estimate of a response ---- */
 
@@ -145,15 +145,21 @@ static const struct {
        until only L moves. */
     .leak = 0.003,
 
+    /* By target: weight of the squared error of log area, as `leak`. Without
+       the weight, a gate whose line end leaks becomes wider without end. */
+    .wide = {0, 0.0015, 0.003},
+
     /* Error of log Ioff above which the verdict reports Ioff. */
     .leaks = 0.26,
 
-    /* By target (plain, balanced, full): last iteration in which parts move,
-       and iteration after which only L moves and corrects Ion. */
-    .shapes = {0, 2, 6},
-    .settled = {0, 6, 9},
+    /* By target (plain, balanced, full): last iteration in which parts move.
+     */
+    .shapes = {0, 2, 4},
 
-    /* Number of iterations after `settled` after which transistors within the
-       limit stop moving. Fewer moves disturb neighbours less. */
-    .polish = 2,
+    /* Iteration after which only L moves and corrects Ion. */
+    .settled = 6,
+
+    /* Number of moves after `settled` that may leave a transistor no better
+       than its best mask. */
+    .tries = 2,
 };
