@@ -154,20 +154,6 @@ int correct_loop_print(loop *l, int all, opc_error *error) {
 
 /* ---- calls of plugins ---- */
 
-eda_printed correct_loop_printed(const loop *l) {
-  const biases *b = correct_start_whole(l);
-  return (eda_printed){.iteration = l->iterations,
-                       .gates = l->gates,
-                       .flags = l->measured.flags,
-                       .l = b->l,
-                       .w = b->w,
-                       .aside = b->aside,
-                       .extension = correct_corners_extension(l),
-                       .shapes = l->mask,
-                       .print = l->printer.print,
-                       .scanner = eda_scanner_of(&l->printer.litho.module)};
-}
-
 static int loop_rule(loop *l, int smooth, eda_ruling *ruling,
                      opc_error *error) {
   eda_printed p = correct_loop_printed(l);

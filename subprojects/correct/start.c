@@ -75,6 +75,20 @@ const biases *correct_start_whole(const loop *l) {
   return &l->whole;
 }
 
+eda_printed correct_loop_printed(const loop *l) {
+  const biases *b = correct_start_whole(l);
+  return (eda_printed){.iteration = l->iterations,
+                       .gates = l->gates,
+                       .flags = l->measured.flags,
+                       .l = b->l,
+                       .w = b->w,
+                       .aside = b->aside,
+                       .extension = correct_corners_extension(l),
+                       .shapes = l->mask,
+                       .print = l->printer.print,
+                       .scanner = eda_scanner_of(&l->printer.litho.module)};
+}
+
 eda_boxes correct_loop_begun(const loop *l, size_t layer, int cutouts) {
   return l->begun[(cutouts ? l->gates->layers : 0) + layer];
 }

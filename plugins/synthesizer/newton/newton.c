@@ -282,9 +282,9 @@ static void newton_settle(newton *t) {
       s->x[BY_L] = mask_length(t, i, s->best);
       s->x[BY_W] = s->best.w;
       memcpy(s->error, s->best_error, sizeof s->error);
-      /* The ends of the bracket may be of another W. */
-      trust_forget(&s->trust);
     }
+    /* The ends of the bracket may be of another W. */
+    trust_forget(&s->trust);
     s->size = s->settled_size = errors_size(t, s->error);
     s->best_size = reverted ? INFINITY : s->size;
   }

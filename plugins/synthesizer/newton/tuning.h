@@ -161,5 +161,5 @@ static const struct {
 
     /* Number of moves after `settled` that may leave a transistor no better
        than its best mask. */
-    .tries = 2,
+    .tries = 3,
 };
