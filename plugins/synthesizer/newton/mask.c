@@ -21,26 +21,36 @@ void errors_after(const transistor *s, double l, double w,
               s->response.by[k][BY_W] * (w - s->x[BY_W]);
 }
 
-/* Return by how much mask `b` may miss length l, grid steps: the effect of
-   moved ends of parts is uncertain. Add a step if `b` is predicted beyond the
-   stop, or outside of the bracket. */
-static double mask_miss(const newton *t, size_t i, double l, biases b) {
-  const transistor *s = &t->state[i];
-  double x = mask_length(t, i, b), off = fabs(x - l);
-  int far = off * fabs(s->response.by[ION][BY_L]) > newton_stop(t) ||
+/* A search for the mask of transistor i with length l, grid steps. */
+typedef struct search {
+  const newton *t;
+  size_t i;
+  double l;
+  int32_t least; /* distance of a jog from the ends of its edge, grid steps */
+  parts valid;   /* of the last mask that printed */
+} search;
+
+/* Return by how much mask `b` may miss the length: the effect of moved ends of
+   parts is uncertain. Add a step if `b` is predicted beyond the stop, or outside
+   of the bracket. *by: difference of length. */
+static double search_miss(const search *k, biases b, double *by) {
+  const transistor *s = &k->t->state[k->i];
+  parts p = mask_parts(k->t, k->i, b);
+  double x = parts_length(k->t, k->i, &p, b), off = fabs(x - k->l);
+  int far = off * fabs(s->response.by[ION][BY_L]) > newton_stop(k->t) ||
             !trust_permits(&s->trust, x);
-  return off + tuned.least_doubt * mask_shift(t, i, s->valid, b) + far;
+  *by = x - k->l;
+  return off + tuned.least_doubt * shape_shift(&k->valid, &p, &b.shape) + far;
 }
 
-/* Return the jog between jogs from and to of mask b at which the length is l;
-   from and to have lengths on both sides of l. */
-static int32_t mask_bisect_jog(const newton *t, size_t i, double l, biases b,
-                               int32_t from, int32_t to) {
-  b.jog = from;
-  int low = mask_length(t, i, b) < l;
+/* Return the jog between jogs from and to of mask b at which the length is
+   that of the search; from and to have lengths on both sides of it. `low`: the
+   mask with jog `from` is too short. */
+static int32_t search_bisect(const search *k, biases b, int32_t from,
+                             int32_t to, int low) {
   while (to - from > 1) {
     b.jog = from + (to - from) / 2;
-    if ((mask_length(t, i, b) < l) == low)
+    if ((mask_length(k->t, k->i, b) < k->l) == low)
       from = b.jog;
     else
       to = b.jog;
@@ -48,26 +58,31 @@ static int32_t mask_bisect_jog(const newton *t, size_t i, double l, biases b,
   return b.jog;
 }
 
-/* Return mask `b`, or a mask whose jog makes the length nearer to l, if the
-   length of `b` is not near l. The length is not monotonic in the position of
-   the jog, because a jog near the end of a part moves that end. */
-static biases mask_clear_jog(const newton *t, size_t i, double l, int32_t least,
-                             biases b) {
-  const sides *s = &t->sides[i];
-  double off = mask_miss(t, i, l, b);
+/* Return mask `b` of length_nearest, or a mask whose jog makes the length nearer
+   to that of the search, if the length of `b` is not near. The length is not
+   monotonic in the position of the jog, because a jog near the end of a part
+   moves that end. With straight edges `b` is the nearest. */
+static biases search_jog(const search *k, biases b) {
+  const sides *s = &k->t->sides[k->i];
+  double by, off = search_miss(k, b, &by);
   biases found = b;
-  for (int32_t k = -1; k <= 1 && off > tuned.near_jog; k++) {
-    biases next = {.l = b.l + k, .w = b.w, .shape = b.shape};
+  if (shape_is_straight(&k->t->parts[k->i], &b.shape) &&
+      trust_permits(&k->t->state[k->i].trust, k->l + by))
+    return b;
+  for (int32_t more = -1; more <= 1 && off > tuned.near_jog; more++) {
+    biases next = {.l = b.l + more, .w = b.w, .shape = b.shape};
     int side = length_side(next.l);
-    int32_t most = s->to[side] - s->from[side] - least, last = 0;
+    int32_t most = s->to[side] - s->from[side] - k->least, last = 0;
     double before = NAN;
-    for (int32_t at = least; at <= most; at += least / 2 + 1) {
+    for (int32_t at = k->least; at <= most; at += k->least / 2 + 1) {
       next.jog = at;
-      double by = mask_length(t, i, next) - l;
-      if (by * before < 0) next.jog = mask_bisect_jog(t, i, l, next, last, at);
+      double miss = search_miss(k, next, &by);
+      if (by * before < 0) {
+        next.jog = search_bisect(k, next, last, at, before < 0);
+        miss = search_miss(k, next, &(double){0});
+      }
       before = by;
       last = at;
-      double miss = mask_miss(t, i, l, next);
       if (miss >= off) continue;
       off = miss;
       found = next;
@@ -81,16 +96,19 @@ static biases mask_clear_jog(const newton *t, size_t i, double l, int32_t least,
    length. */
 static biases mask_with_jog(const newton *t, const eda_gates *g, size_t i,
                             double l, int32_t w) {
-  int32_t least = (int32_t)ceil(t->min_jog / g->grid);
+  search k = {t, i, l, (int32_t)ceil(t->min_jog / g->grid),
+              mask_parts(t, i, t->state[i].valid)};
   biases b = {.w = w, .shape = t->state[i].next.shape};
-  double shaped = shape_value(&t->parts[i], &b.shape);
-  for (int k = 0; k < 3; k++) {
-    length x = length_nearest(&t->sides[i], l - shaped, least);
+  double shaped = shape_value(&t->parts[i], &b.shape), before = NAN;
+  for (int n = 0; n < 3 && shaped != before; n++) {
+    length x = length_nearest(&t->sides[i], l - shaped, k.least);
     b.l = x.l;
     b.jog = x.jog;
-    shaped = mask_length(t, i, b) - length_value(&t->sides[i], x);
+    parts p = mask_parts(t, i, b);
+    before = shaped;
+    shaped = shape_value(&p, &b.shape);
   }
-  return mask_clear_jog(t, i, l, least, b);
+  return search_jog(&k, b);
 }
 
 /* Return `best` or, if its predicted errors are smaller, a mask whose W differs

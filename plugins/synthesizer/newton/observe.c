@@ -34,26 +34,21 @@ double errors_size(const newton *t, const double error[ERRORS]) {
 parts mask_parts(const newton *t, size_t i, biases b) {
   double at = length_jog(&t->sides[i], (length){b.l, b.jog});
   return parts_beside(&t->parts[i], &t->sides[i], at,
-                      ceil(t->min_jog / t->gates->grid));
+                      ceil(t->min_jog / t->gates->grid), &b.shape);
+}
+
+double parts_length(const newton *t, size_t i, const parts *of, biases b) {
+  return length_value(&t->sides[i], (length){b.l, b.jog}) +
+         shape_value(of, &b.shape);
 }
 
 double mask_length(const newton *t, size_t i, biases b) {
   parts p = mask_parts(t, i, b);
-  return length_value(&t->sides[i], (length){b.l, b.jog}) +
-         shape_value(&p, &b.shape);
+  return parts_length(t, i, &p, b);
 }
 
 double length_gain(const transistor *s) {
   return s->first.by[ION][BY_L] / s->first.slope[ION];
-}
-
-double mask_shift(const newton *t, size_t i, biases a, biases b) {
-  parts p = mask_parts(t, i, a), q = mask_parts(t, i, b);
-  double sum = 0;
-  for (int k = 1; k < p.count; k++)
-    sum +=
-        fabs((p.share[k] - q.share[k]) * (b.shape.by[k - 1] - b.shape.by[k]));
-  return sum;
 }
 
 int corrects_ioff(const newton *t) { return t->target != PLAIN && !t->settled; }
@@ -463,9 +458,10 @@ void newton_predict(newton *t, const eda_feedback *f) {
     if (f->iteration > 0) s->uncertainty = late ? tuned.late : 0;
     s->uncertainty += noise;
     s->noise = s->uncertainty;
-    s->uncertainty +=
-        tuned.least_doubt *
-        fabs(s->response.by[ION][BY_L] * mask_shift(t, i, s->valid, next));
+    parts from = mask_parts(t, i, s->valid), to = mask_parts(t, i, next);
+    s->uncertainty += tuned.least_doubt *
+                      fabs(s->response.by[ION][BY_L] *
+                           shape_shift(&from, &to, &next.shape));
   }
 }
 

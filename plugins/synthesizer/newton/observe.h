@@ -132,10 +132,8 @@ parts mask_parts(const newton *t, size_t i, biases b);
    jog counts as a fraction of a step. */
 double mask_length(const newton *t, size_t i, biases b);
 
-/* Return the sum of the |changes of length|, grid steps, by ends of parts that
-   have other positions in mask `b` than in mask `a`, because a jog moves them.
- */
-double mask_shift(const newton *t, size_t i, biases a, biases b);
+/* Return the same, with the parts `of` that mask_parts has returned for `b`. */
+double parts_length(const newton *t, size_t i, const parts *of, biases b);
 
 /* Return the change of the printed length by a grid step of L, nm: the estimate
    for all transistors of a type. */

@@ -38,15 +38,23 @@ parts parts_of(const eda_gates *g, size_t i, const sides *s) {
   return p;
 }
 
-parts parts_beside(const parts *p, const sides *s, double at, double least) {
+/* Return whether shape s has a step at the LOW end of part k. */
+static int has_step(const shape *s, int k) { return s->by[k - 1] != s->by[k]; }
+
+/* Return the end of a part that is nearest to position `at`. */
+static int end_nearest(const parts *p, double at) {
+  int nearest = 1;
+  for (int k = 2; k < p->count; k++)
+    if (fabs(p->edge[k] - at) < fabs(p->edge[nearest] - at)) nearest = k;
+  return nearest;
+}
+
+parts parts_beside(const parts *p, const sides *s, double at, double least,
+                   const shape *of) {
   parts out = *p;
-  int nearest = 0;
-  if (isnan(at)) return out;
-  for (int k = 1; k < p->count; k++)
-    if (!nearest || fabs(p->edge[k] - at) < fabs(p->edge[nearest] - at))
-      nearest = k;
   for (int k = 1; k < p->count; k++) {
-    if (fabs(p->edge[k] - at) >= least) continue;
+    if (!has_step(of, k) || !(fabs(p->edge[k] - at) < least)) continue;
+    int nearest = end_nearest(p, at);
     out.edge[k] = k == nearest ? at : at + (k > nearest ? least : -least);
     out.share[k] = length_share(s, out.edge[k]);
   }
@@ -68,9 +76,23 @@ void shape_write(const parts *p, const shape *s, eda_part out[EDA_PARTS]) {
 }
 
 double shape_value(const parts *p, const shape *s) {
+  double sum = p->count ? s->by[p->count - 1] : 0;
+  for (int k = 1; k < p->count; k++)
+    if (has_step(s, k)) sum += p->share[k] * (s->by[k - 1] - s->by[k]);
+  return sum;
+}
+
+int shape_is_straight(const parts *p, const shape *s) {
+  int straight = 1;
+  for (int k = 1; k < p->count; k++) straight &= !has_step(s, k);
+  return straight;
+}
+
+double shape_shift(const parts *from, const parts *to, const shape *s) {
   double sum = 0;
-  for (int k = 0; k < p->count; k++)
-    sum += s->by[k] * (p->share[k + 1] - p->share[k]);
+  for (int k = 1; k < to->count; k++)
+    if (has_step(s, k))
+      sum += fabs((to->share[k] - from->share[k]) * (s->by[k - 1] - s->by[k]));
   return sum;
 }
 

@@ -38,8 +38,10 @@ parts parts_of(const eda_gates *gates, size_t i, const sides *edges);
 
 /* Return the parts with each end within `least` grid steps of a jog moved to
    the jog or to the distance `least`. `at`: position of the jog, grid steps
-   from the LOW end of the box; NAN: no jog. */
-parts parts_beside(const parts *p, const sides *edges, double at, double least);
+   from the LOW end of the box; NAN: no jog. An end at which the shape `of` has
+   no step remains. */
+parts parts_beside(const parts *p, const sides *edges, double at, double least,
+                   const shape *of);
 
 /* Write a shape as eda_moves.part; adjacent parts with equal steps are
    merged. */
@@ -47,6 +49,14 @@ void shape_write(const parts *p, const shape *s, eda_part out[EDA_PARTS]);
 
 /* Return the change of the effective length by a shape, grid steps. */
 double shape_value(const parts *p, const shape *s);
+
+/* Return whether a shape moves all parts by the same steps. */
+int shape_is_straight(const parts *p, const shape *s);
+
+/* Return the sum of the |changes of length|, grid steps, by the ends of parts
+   at which shape `s` has a step, if the ends move from those of `from` to those
+   of `to`. */
+double shape_shift(const parts *from, const parts *to, const shape *s);
 
 /* Return the ripple of a simulated gate; count 0: the gate does not print. */
 ripple ripple_of(const eda_feedback *f, size_t i, const parts *p);

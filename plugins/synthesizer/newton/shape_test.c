@@ -106,8 +106,10 @@ static void test_parts(void) {
 /* No other step is within 40 of a jog, except at its position. */
 static void test_beside(void) {
   parts p = parts_here(WIDTH, &edges);
+  shape stepped = {{0}};
+  for (int k = 0; k < p.count; k += 2) stepped.by[k] = 1;
   for (int at = 40; at < WIDTH - 40; at++) {
-    parts q = parts_beside(&p, &edges, at, 40);
+    parts q = parts_beside(&p, &edges, at, 40, &stepped);
     for (int k = 1; k < q.count; k++) {
       double off = fabs(q.edge[k] - at);
       g_assert_true(off == 0 || off >= 40);
