@@ -111,6 +111,16 @@ static biases mask_with_jog(const newton *t, const eda_gates *g, size_t i,
   return search_jog(&k, b);
 }
 
+/* Return the least size to which L can reduce the errors. */
+static double least_after_l(const newton *t, const transistor *s,
+                            const double error[ERRORS]) {
+  double more[MOVES], rest[ERRORS];
+  response_solve(&s->response, error, t->weight, only_l, more);
+  for (int k = 0; k < ERRORS; k++)
+    rest[k] = error[k] + s->response.by[k][BY_L] * more[BY_L];
+  return errors_size(t, rest);
+}
+
 /* Return `best` or, if its predicted errors are smaller, a mask whose W differs
    by up to two steps (for narrow gates, whose jogs have a large effect). */
 static biases mask_with_width(const newton *t, const eda_feedback *f, size_t i,
@@ -136,6 +146,7 @@ static biases mask_with_width(const newton *t, const eda_feedback *f, size_t i,
         w > fmax(width_limit(s), best.w))
       continue;
     errors_after(s, s->x[BY_L], w, rest);
+    if (least_after_l(t, s, rest) >= least) continue;
     response_solve(&s->response, rest, t->steer, only_l, more);
     veto = more[BY_L] > 0 ? EDA_VETO_LONGER : EDA_VETO_SHORTER;
     double l = s->x[BY_L] + more[BY_L];

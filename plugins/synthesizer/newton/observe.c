@@ -276,7 +276,7 @@ static void transistor_update(const newton *t, transistor *s,
   s->size = errors_size(t, error);
   s->settled_size = first || moved ? s->size : fmin(s->settled_size, s->size);
   s->point = point_of(f->printed, i);
-  s->ripple = corrects_ioff(t) ? ripple_of(f, i, &t->parts[i]) : (ripple){0};
+  s->ripple.count = 0;
   response_bend(&s->response, &s->first, s->point, point_of(f->design, i),
                 f->gates->grid);
   if (reshaped) trust_forget(&s->trust);

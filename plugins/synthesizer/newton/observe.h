@@ -50,7 +50,8 @@ typedef struct transistor {
                             expected after the moves of line ends */
   double size;           /* size of the errors; INFINITY if no mask has
                             printed */
-  ripple ripple;         /* ripple of the length along W */
+  ripple ripple;         /* ripple of the length along W; known while W
+                            corrects Ioff, of a transistor that may move */
   double excess[ERRORS]; /* part of `error` that is expected of the ripple of
                             the next mask */
   double pull;           /* pull: error of Ion alone that requires the same move
