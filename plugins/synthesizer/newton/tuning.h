@@ -157,7 +157,7 @@ static const struct {
     .shapes = {0, 2, 4},
 
     /* Iteration after which only L moves and corrects Ion. */
-    .settled = 6,
+    .settled = 7,
 
     /* Number of moves after `settled` that may leave a transistor no better
        than its best mask. */
