@@ -266,7 +266,7 @@ static int newton_is_done(newton *t, int64_t print) {
   t->mean = t->rest ? fmin(mean, before) : mean;
   if (newton_is_late(t, print)) return worst <= newton_stop(t);
   return t->rest = worst <= newton_stop(t) && !drifted &&
-                   (mean <= newton_ion_limit(t) / tuned.mean_part || unchanged);
+                   (mean <= newton_tolerance(t) || unchanged);
 }
 
 /* Return each transistor to its best mask and end the correction of Ioff. From
@@ -329,7 +329,7 @@ static int newton_update(void *self, const eda_feedback *f, eda_moves *moves,
   if (f->iteration == 0) {
     sides_find(f->gates, t->sides);
     for (size_t i = 0; i < t->count; i++)
-      t->parts[i] = parts_of(f->gates, i, &t->sides[i]);
+      t->parts[i] = parts_of(f->gates, i, &t->sides[i], t->min_jog);
   }
   newton_observe(t, f, moves);
   int settles = corrects_ioff(t) && f->iteration == tuned.settled;

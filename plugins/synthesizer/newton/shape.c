@@ -12,10 +12,10 @@
 
 /* ---- parts ---- */
 
-parts parts_of(const eda_gates *g, size_t i, const sides *s) {
+parts parts_of(const eda_gates *g, size_t i, const sides *s, double min_jog) {
   eda_box b = g->box[i];
   int32_t width = g->axis[i] == EDA_X ? b.y1 - b.y0 : b.x1 - b.x0;
-  double step = tuned.blur / g->grid, least = tuned.tail / g->grid;
+  double step = tuned.blur / g->grid, least = min_jog / g->grid;
   double low = fmin(s->from[0], s->from[1]);
   double high = fmax(s->to[0], s->to[1]);
   int n = (int)fmin(floor(width / step), EDA_PARTS - 2), m = 0;

@@ -34,7 +34,10 @@ typedef struct parts {
                                   both poly edges up to edge[k] */
 } parts;
 
-parts parts_of(const eda_gates *gates, size_t i, const sides *edges);
+/* Divide gate i. Poly past the active is a separate part if it extends by at
+   least `min_jog`, nm. */
+parts parts_of(const eda_gates *gates, size_t i, const sides *edges,
+               double min_jog);
 
 /* Return the parts with each end within `least` grid steps of a jog moved to
    the jog or to the distance `least`. `at`: position of the jog, grid steps

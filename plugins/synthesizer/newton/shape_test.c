@@ -22,7 +22,7 @@ static parts parts_here(int32_t width, const sides *s) {
   eda_box box = {0, 0, 65, width};
   uint8_t axis = EDA_X;
   eda_gates g = {.grid = 1, .count = 1, .box = &box, .axis = &axis};
-  return parts_of(&g, 0, s);
+  return parts_of(&g, 0, s, 40);
 }
 
 /* Return the ripple of a mask that is by[k] longer in part k. */

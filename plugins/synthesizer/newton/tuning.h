@@ -13,9 +13,9 @@ static const struct {
   double trust[2], longest;
   double still, late, coupling, noise_floor;
   double odd_limit, odd_surprise, unanswered;
-  double coarse, worthwhile, mean_part, patience;
+  double worthwhile, patience;
   double blur, short_end, past_end, before_end;
-  double smooth, firm, local, tail, near_jog, leak, leaks, wide[3];
+  double smooth, firm, local, near_jog, leak, leaks, wide[3];
   uint32_t shapes[3], settled, tries;
 } tuned = {
     /* ---- the first estimate of a response ---- */
@@ -88,18 +88,11 @@ static const struct {
 
     /* ---- selection of moves ---- */
 
-    /* W corrects an error that remains after jogs if it exceeds both
-       `ion_limit` and this multiple of `tolerance`. */
-    .coarse = 10,
-
     /* A move is made if the expected error is at most this fraction of the
        present error. The method stops when all errors are below this fraction
        of `ion_limit`; the rest, 0.1 % of Ion, is a reserve for moves of
        neighbours and for the accurate simulation. */
     .worthwhile = 0.8,
-
-    /* The loop ends if the mean error is below `ion_limit` / mean_part. */
-    .mean_part = 10,
 
     /* Transistors that the regulator still disturbs after iteration
        `iterations` may move until this multiple of `iterations`. */
@@ -131,10 +124,6 @@ static const struct {
     /* Response of a part of 60 nm, relative to that of a whole edge. Half of
        the value quadruples the cost of a jog. */
     .local = 0.5,
-
-    /* nm: least extension of the poly past the active that forms a separate
-       part; equal to the default of min_jog. */
-    .tail = 40,
 
     /* Grid steps: length error at which the search for jogs at and beside the
        ends of parts stops. Without the search some gates keep an Ion deviation
