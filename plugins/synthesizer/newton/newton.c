@@ -41,8 +41,7 @@ static int newton_begin(void *self, const eda_feedback *f, opc_error *error) {
   t->count = f->gates->count;
   t->rest = t->settled = t->reported = 0;
   if (t->target != PLAIN) {
-    t->weight[IOFF] = tuned.leak;
-    t->weight[AREA] = tuned.wide[t->target];
+    t->weight[IOFF] = t->weight[AREA] = tuned.leak;
   }
   t->state = eda_alloc(t->count, sizeof *t->state);
   t->sides = eda_alloc(t->count, sizeof *t->sides);
@@ -308,13 +307,7 @@ static void transistor_decide(void *data, size_t i) {
   transistor *s = &t->state[i];
   int64_t k = j->f->iteration, last = t->iterations;
   biases next = mask_propose(t, j->f, i);
-  if (k > last) {
-    /* The regulator may still move shapes, so transistors that these shapes
-       disturb may move for some more iterations. */
-    double most = tuned.patience * (double)last;
-    if (!(s->disturbed || s->failed) || (double)k > most) next = s->now;
-  }
-  if (j->done || (newton_is_late(t, k) && is_within(t, i)))
+  if (k > last || j->done || (newton_is_late(t, k) && is_within(t, i)))
     s->next = s->now;
   else
     s->next = k == last || s->tries >= tuned.tries ? s->best : next;

@@ -358,7 +358,7 @@ static void responses_learn_common(newton *t, const eda_feedback *f,
     k->xx -= k->x * k->x / k->n;
     k->xy -= k->x * k->y / k->n;
     double factor = k->xx > 0 ? k->xy / k->xx : 1;
-    factor = fmin(fmax(factor, 1 / tuned.gain_bound), tuned.gain_bound);
+    factor = fmin(fmax(factor, 1 / tuned.trust[BY_L]), tuned.trust[BY_L]);
     common[type] = (k->y - factor * k->x) / k->n;
     for (size_t i = 0; i < t->count; i++) {
       if ((f->gates->type[i] == EDA_PMOS) != type) continue;
@@ -438,7 +438,8 @@ void newton_foresee(newton *t, size_t i, biases to) {
 }
 
 /* The uncertainty is the sum of parts caused by neighbours, line ends and
-   shapes. */
+   shapes. A move of a line end after the first iteration may change Ion by the
+   limit. */
 void newton_predict(newton *t, const eda_feedback *f) {
   double sum = 0;
   for (size_t i = 0; i < t->count; i++) {
@@ -455,7 +456,7 @@ void newton_predict(newton *t, const eda_feedback *f) {
     transistor *s = &t->state[i];
     const biases next = s->next;
     int late = ends_moved(f->gates, s->end, f->next_end + 2 * i);
-    if (f->iteration > 0) s->uncertainty = late ? tuned.late : 0;
+    if (f->iteration > 0) s->uncertainty = late ? newton_ion_limit(t) : 0;
     s->uncertainty += noise;
     s->noise = s->uncertainty;
     parts from = mask_parts(t, i, s->valid), to = mask_parts(t, i, next);

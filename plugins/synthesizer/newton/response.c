@@ -40,7 +40,7 @@ void curves_measure(const eda_feedback *f, curve out[2]) {
     double l = n[t] > 0 ? length[t] / n[t] : 1;
     for (int k = 0; k < 2; k++) {
       double slope = xx[t][k] > 0 ? xy[t][k] / xx[t][k] : 0;
-      out[t].slope[k] = slope < 0 ? slope : tuned.slope[k] / l;
+      out[t].slope[k] = slope < 0 ? slope : -1 / l;
     }
     out[t].slope[AREA] = 1 / l;
   }

@@ -38,7 +38,7 @@ point point_of(const eda_performance *p, size_t i);
 
 /* Compute the slopes of both types from the currents and equivalent lengths of
    printed transistors. If no transistor of a type printed, the slopes are
-   tuned.slope / L. */
+   those of the Ion of a long channel, -1 / L. */
 void curves_measure(const eda_feedback *f, curve out[2]);
 
 /* Compute the errors of gate i. Return 0 and set the errors to 0 if the gate
