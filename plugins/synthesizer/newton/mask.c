@@ -129,8 +129,9 @@ static biases mask_with_width(const newton *t, const eda_feedback *f, size_t i,
   double rest[ERRORS], more[MOVES], grid = f->gates->grid;
   double most = width_most(t, f->gates, i);
   int any = corrects_ioff(t); /* W moves for Ioff */
-  double enough = any ? newton_tolerance(t)
-                      : fmax(newton_ion_limit(t), newton_tolerance(t));
+  double enough =
+      any ? newton_tolerance(t)
+          : fmax(newton_ion_limit(t), tuned.coarse * newton_tolerance(t));
   biases found = best;
   errors_after(s, mask_length(t, i, best), best.w, rest);
   double least =

@@ -41,7 +41,7 @@ static int has_bracket(const trust *t) {
 void trust_judge(trust *t, double dx, double before, double foreseen,
                  double now) {
   double part = (before - now) / (before - foreseen);
-  t->slow = part < 0.25;
+  t->slow = part < 1 / tuned.unanswered;
   if (part > 0.75) t->radius = fmax(t->radius, 2 * fabs(dx));
   /* A neighbour may hide the effect of a jog. */
   if (t->slow && !has_bracket(t) && fabs(dx) >= 1) t->radius = fabs(dx) / 4;

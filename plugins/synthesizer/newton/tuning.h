@@ -12,8 +12,8 @@ static const struct {
   double thin_end[2], doubt[2], least_doubt, many;
   double trust[2], longest;
   double still, coupling, noise_floor;
-  double odd_limit, odd_surprise;
-  double worthwhile;
+  double odd_limit, odd_surprise, unanswered;
+  double coarse, worthwhile;
   double blur, short_end, past_end, before_end;
   double smooth, firm, local, near_jog, leak, leaks;
   uint32_t shapes[3], settled, tries;
@@ -71,7 +71,15 @@ static const struct {
        uncertainty; added to odd_limit. */
     .odd_surprise = 2,
 
+    /* If a change is smaller than the predicted change by more than this
+       factor, the trust radius is reduced or the bracket is bisected. */
+    .unanswered = 10,
+
     /* ---- selection of moves ---- */
+
+    /* W corrects an error that remains after jogs if it exceeds both
+       `ion_limit` and this multiple of `tolerance`. */
+    .coarse = 10,
 
     /* A move is made if the expected error is at most this fraction of the
        present error. The method stops when all errors are below this fraction
