@@ -31,8 +31,8 @@ typedef struct search {
 } search;
 
 /* Return by how much mask `b` may miss the length: the effect of moved ends of
-   parts is uncertain. Add a step if `b` is predicted beyond the stop, or outside
-   of the bracket. *by: difference of length. */
+   parts is uncertain. Add a step if `b` is predicted beyond the stop, or
+   outside of the bracket. *by: difference of length. */
 static double search_miss(const search *k, biases b, double *by) {
   const transistor *s = &k->t->state[k->i];
   parts p = mask_parts(k->t, k->i, b);
@@ -58,10 +58,10 @@ static int32_t search_bisect(const search *k, biases b, int32_t from,
   return b.jog;
 }
 
-/* Return mask `b` of length_nearest, or a mask whose jog makes the length nearer
-   to that of the search, if the length of `b` is not near. The length is not
-   monotonic in the position of the jog, because a jog near the end of a part
-   moves that end. With straight edges `b` is the nearest. */
+/* Return mask `b` of length_nearest, or a mask whose jog makes the length
+   nearer to that of the search, if the length of `b` is not near. The length is
+   not monotonic in the position of the jog, because a jog near the end of a
+   part moves that end. With straight edges `b` is the nearest. */
 static biases search_jog(const search *k, biases b) {
   const sides *s = &k->t->sides[k->i];
   double by, off = search_miss(k, b, &by);

@@ -208,8 +208,7 @@ static biases mask_propose(newton *t, const eda_feedback *f, size_t i) {
   s->verdict = NO_PRINT;
   if (s->failed && (isinf(s->size) || biases_equal(s->now, s->valid)))
     return mask_search(t, f, i);
-  if (corrects_ioff(t) && !s->failed)
-    s->ripple = ripple_of(f, i, &t->parts[i]);
+  if (corrects_ioff(t) && !s->failed) s->ripple = ripple_of(f, i, &t->parts[i]);
   uint8_t why;
   int cut, shaped = !s->failed && edges_flatten(t, f, i);
   biases next = mask_after_step(t, f, i, enough, shaped, &hope, &why, &cut);

@@ -460,9 +460,9 @@ void newton_predict(newton *t, const eda_feedback *f) {
     s->uncertainty += noise;
     s->noise = s->uncertainty;
     parts from = mask_parts(t, i, s->valid), to = mask_parts(t, i, next);
-    s->uncertainty += tuned.least_doubt *
-                      fabs(s->response.by[ION][BY_L] *
-                           shape_shift(&from, &to, &next.shape));
+    s->uncertainty +=
+        tuned.least_doubt *
+        fabs(s->response.by[ION][BY_L] * shape_shift(&from, &to, &next.shape));
   }
 }
 

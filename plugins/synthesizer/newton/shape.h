@@ -56,9 +56,8 @@ double shape_value(const parts *p, const shape *s);
 /* Return whether a shape moves all parts by the same steps. */
 int shape_is_straight(const parts *p, const shape *s);
 
-/* Return the sum of the |changes of length|, grid steps, by the ends of parts
-   at which shape `s` has a step, if the ends move from those of `from` to those
-   of `to`. */
+/* The ends of parts at which shape `s` has a step move from those of `from` to
+   those of `to`. Return the sum of the |changes of length|, grid steps. */
 double shape_shift(const parts *from, const parts *to, const shape *s);
 
 /* Return the ripple of a simulated gate; count 0: the gate does not print. */
