@@ -119,6 +119,8 @@ static void drc_check_print(drc *r, const eda_printed *p, eda_ruling *ruling) {
     if (!ends_revert(r, s, ruling->end))
       ruling->vetoes[s->gate] |= EDA_VETO_LONGER;
   }
+  for (size_t i = 0; i < r->n_repairs; i++)
+    repair_veto(r, p, &r->repairs[i], ruling->vetoes);
   drc_add_shapes(r, p, ruling);
 }
 

@@ -249,6 +249,10 @@ void repair_find_edge(const drc *r, const site *s, repair *one, int side);
 /* Displace only the part of an edge in front of the site, because displacing
    the entire edge caused bridging. */
 void repair_keep_segment(const drc *r, const site *s, repair *one, int side);
+/* Veto narrower gates whose width has displaced the active inwards at a failing
+   side of a contact, if the repair cannot displace that side outwards. */
+void repair_veto(const drc *r, const eda_printed *p, const repair *one,
+                 uint32_t *vetoes);
 /* Extend the segment in front of a contact to the corners of the drawn edge
    within tuned.corner, if the present displacement is permitted there, too. A
    segment may end before a corner if the contact extends over a concave corner:

@@ -229,8 +229,8 @@ static void test_violations(void) {
   g_assert_cmpstr(v[0].rule, ==, "extension; no space before the line end");
 }
 
-/* Line ends that moved until their printed ends merged move back and are not
-   extended again. */
+/* Line ends that moved until their printed ends merged move back. Later they
+   are extended again by half a step, once. */
 static void test_back(void) {
   g_autoptr(opc_module) m =
       drc_make("{ min_space: 20 nm, min_extension: 30 nm }");
@@ -262,6 +262,11 @@ static void test_back(void) {
   }
   g_assert_cmpuint(f.vetoes[0], ==, 0); /* the length of the gate is not the
                                            cause, so there is no veto */
+  int32_t back = f.end[1];
+  for (int i = 0; i < 4; i++) {
+    fixture_rule(m, &f);
+    g_assert_cmpint(f.end[1], ==, back + 2);
+  }
   for (int layer = 0; layer < LAYERS; layer++) eda_field_clear(&print[layer]);
 }
 

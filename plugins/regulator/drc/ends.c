@@ -188,10 +188,10 @@ int ends_revert(drc *r, const site *wrong, int32_t *bias) {
     one->requested = INFINITY;
     return 1;
   }
-  int32_t to = one->length.bias - step;
+  int32_t to = one->length.bias > step ? one->length.bias - step : 0;
   if (one->length.bias <= 0) return 0;
-  one->most = to > 0 ? to : 0;
-  if (bias[end] > one->most) bias[end] = one->most;
+  one->most = to + step / 2;
+  if (bias[end] > to) bias[end] = to;
   one->by = bias[end];
   return 1;
 }

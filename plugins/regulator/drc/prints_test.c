@@ -222,6 +222,41 @@ static void test_width(void) {
   }
 }
 
+/* Poly in front of an active edge prevents its repair. If a narrower gate has
+   displaced that edge inwards, the regulator vetoes a narrower gate; not if the
+   edge is as drawn, and not if the other edge has moved. */
+static void test_width_veto(void) {
+  static const struct {
+    int32_t w, aside, poly;
+    uint32_t veto;
+  } cases[] = {{-6, 0, 150, EDA_VETO_NARROWER},
+               {0, 0, 150, 0},
+               {-6, 3, 150, 0},
+               {6, 0, 150, 0},
+               {2, -3, 150, EDA_VETO_NARROWER},
+               {-6, 0, 400, 0}};
+  for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+    g_autoptr(opc_module) m = drc_make("{ overlay: 10 nm, min_space: 40 nm }");
+    uint32_t start[] = {0, 4};
+    eda_fragment active[] = {{{0, 0}, 0, EDA_W_LOW},
+                             {{106, 0}, -1, EDA_FIXED},
+                             {{106, 140}, 0, EDA_W_HIGH},
+                             {{0, 140}, -1, EDA_FIXED}};
+    chip c = {.edges[EDA_ACTIVE] = {1, start, active}};
+    add_box(&c.drawn[EDA_ACTIVE], 0, 0, 106, 140);
+    add_box(&c.drawn[EDA_POLY], 0, cases[i].poly, 106, 500);
+    add_box(&c.drawn[CONTACT], 20, 30, 80, 110);
+    add_box(&c.printed[EDA_ACTIVE], -10, -10, 104, 115);
+    add_box(&c.printed[EDA_POLY], 0, cases[i].poly, 106, 500);
+    chip_show(&c);
+    c.p.w = &cases[i].w;
+    c.p.aside = &cases[i].aside;
+    chip_judge(m, &c);
+    g_assert_cmpuint(c.veto[0], ==, cases[i].veto);
+    chip_end(&c);
+  }
+}
+
 /* A contact in active, 6 nm away from printed poly. */
 static void test_contact(void) {
   g_autoptr(opc_module) m = drc_make("{ overlay: 10 nm }");
@@ -386,6 +421,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/regulator/concave-corner", test_concave_corner);
   g_test_add_func("/regulator/jog-near-shape", test_jog_near_shape);
   g_test_add_func("/regulator/width", test_width);
+  g_test_add_func("/regulator/width-veto", test_width_veto);
   g_test_add_func("/regulator/near_neighbour", test_near_neighbour);
   g_test_add_func("/regulator/near-other-layer", test_near_other_layer);
   g_test_add_func("/regulator/contact", test_contact);

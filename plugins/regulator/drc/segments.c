@@ -16,6 +16,20 @@ static int32_t corner_move(const eda_printed *p, const eda_fragment *f) {
   return f->role == EDA_W_LOW ? low - aside : w - low + aside;
 }
 
+void repair_veto(const drc *r, const eda_printed *p, const repair *one,
+                 uint32_t *vetoes) {
+  const site *s = &r->sites[one->site];
+  if (s->layer != EDA_ACTIVE) return;
+  for (int k = 0; k < SIDES; k++) {
+    if (!(s->failing & 1 << k) || one->grow[k] < one->limit[k]) continue;
+    eda_finder f = eda_index_find(
+        r->widths.index, box_window(s->box, k, one->edge[k], one->edge[k], 0));
+    for (uint32_t i; eda_index_next(&f, &i);)
+      if (corner_move(p, r->width[i]) < 0)
+        vetoes[r->width[i]->gate] |= EDA_VETO_NARROWER;
+  }
+}
+
 /* Return 1 if the segment on `side` ends at the edge on the side `next`. */
 static int segment_reaches(const drc *r, const repair *one, int side,
                            int next) {
