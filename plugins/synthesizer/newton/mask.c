@@ -143,7 +143,7 @@ static biases mask_with_width(const newton *t, const eda_feedback *f, size_t i,
     uint32_t veto = step > 0 ? EDA_VETO_WIDER : EDA_VETO_NARROWER;
     int32_t w = best.w + step;
     if (!step || f->vetoes[i] & veto || abs(w) > most ||
-        w > fmax(width_limit(s), best.w))
+        w > fmax(width_limit(s), best.w) || w < width_least(s))
       continue;
     errors_after(s, s->x[BY_L], w, rest);
     if (least_after_l(t, s, rest) >= least) continue;

@@ -40,8 +40,17 @@ typedef struct model {
   double merge; /* printed length above which the line merges; 0: never */
   int32_t active_limit; /* largest outward move of an end of the active; beyond
                            it the active merges; 0: no limit */
+  int32_t contact;      /* least outward move of an end of the active, below
+                           which the regulator vetoes a narrower gate; 0: no
+                           limit */
   int ends_open;        /* 1: also open while a line end is too short */
   int regulated; /* 1: vetoes an open line from becoming shorter or narrower */
+  eda_field *tapered; /* image of gates in the second simulation; afterwards
+                         `even`; NULL: no images */
+  eda_field *even;
+  double surge; /* additional leaky in the third simulation, after which line
+                   ends move by 9 steps */
+  eda_part part[MOST * EDA_PARTS];
   uint32_t flags[MOST];
   double bracket[MOST][2]; /* largest length that was open, and smallest length
                               that was too long */
@@ -86,6 +95,8 @@ static inline void model_print(model *t, const int32_t *end,
     t->flags[i] = open ? EDA_PRINT_OPEN : merged ? EDA_PRINT_MERGED : 0;
     if (t->regulated)
       t->veto[i] = open ? EDA_VETO_SHORTER | EDA_VETO_NARROWER : 0;
+    if (t->contact)
+      t->veto[i] = MIN(low, high) < t->contact ? EDA_VETO_NARROWER : 0;
     double known = fmax(printed, t->table);
     p->leq_ion[i] = known - thin / 0.022;
     p->leq_ioff[i] = printed - t->leaky / 0.3;
@@ -95,7 +106,8 @@ static inline void model_print(model *t, const int32_t *end,
     p->ion[i] = 1e-6 * weq * exp(-0.022 * off + t->steep * bent * bent / 2);
     if (t->flags[i] & EDA_PRINT_OPEN) p->ion[i] = p->area[i] = 0;
     if (t->late && t->prints > t->late && i == 3) p->ion[i] *= 0.98;
-    p->ioff[i] = 1e-10 * weq * exp(t->leaky - 0.3 * (printed - length));
+    double leaky = t->leaky + (t->prints == 2 ? t->surge : 0);
+    p->ioff[i] = 1e-10 * weq * exp(leaky - 0.3 * (printed - length));
     t->ion[i] = 100 * (p->ion[i] / (1e-6 * WIDTH) - 1);
     t->ioff[i] = 100 * (p->ioff[i] / (1e-10 * WIDTH) - 1);
     t->area[i] = 100 * (p->area[i] / (WIDTH * length) - 1);
@@ -189,12 +201,16 @@ static inline void model_run(opc_module *m, model *t) {
                     .end = end,
                     .next_end = t->knows_ends ? next : end};
   eda_moves moves = {.l = t->l, .w = t->w, .jog = t->jog, .aside = t->aside};
+  if (t->tapered) moves.part = t->part;
   opc_error error;
   g_assert_cmpint(s->begin(m->self, &f, &error), ==, OPC_OK);
   f.printed = &printed;
   for (int done = 0; !done && f.iteration < 50; f.iteration++) {
     model_print(t, end, &printed);
     if (f.iteration == 1) t->second = model_worst(t->ion, t->n);
+    f.print = f.iteration == 1 ? t->tapered : t->even;
+    if (t->surge > 0 && f.iteration == 2)
+      for (size_t i = 0; i < t->n; i++) next[2 * i + 1] += 9;
     if (t->guarded) note_bracket(t);
     g_assert_cmpint(s->update(m->self, &f, &moves, &done, &error), ==, OPC_OK);
     if (t->guarded) hold_bracket(t);

@@ -78,7 +78,8 @@ static double width_bounded(const newton *t, const eda_feedback *f, size_t i,
   const transistor *s = &t->state[i];
   dx = move_bounded(s->x[BY_W], dx, width_most(t, f->gates, i),
                     veto & EDA_VETO_WIDER, veto & EDA_VETO_NARROWER, why);
-  return fmin(dx, fmax(width_limit(s) - s->x[BY_W], 0));
+  dx = fmin(dx, fmax(width_limit(s) - s->x[BY_W], 0));
+  return fmax(dx, width_least(s) - s->x[BY_W]);
 }
 
 /* Compute the moves of W that corrects Ioff and of L that restores Ion. */
@@ -204,7 +205,9 @@ static biases mask_propose(newton *t, const eda_feedback *f, size_t i) {
   const biases stay = s->failed ? s->now : s->valid;
   s->verdict = WITHIN;
   s->next = stay;
-  if (t->goal[i].weight == 0 || (!s->failed && s->size <= enough)) return stay;
+  int is_short = width_is_short(t, s);
+  if (t->goal[i].weight == 0 || (!s->failed && !is_short && s->size <= enough))
+    return stay;
   s->verdict = NO_PRINT;
   if (s->failed && (isinf(s->size) || biases_equal(s->now, s->valid)))
     return mask_search(t, f, i);
@@ -216,8 +219,12 @@ static biases mask_propose(newton *t, const eda_feedback *f, size_t i) {
   s->verdict = MOVING;
   int held = cut && s->size > newton_ion_limit(t) &&
              trust_holds(&s->trust, s->x[BY_L]);
-  if (held && !biases_equal(next, stay)) return next;
-  if (s->best_size <= hope && !biases_equal(s->best, stay)) return s->best;
+  if ((held || is_short) && !biases_equal(next, stay)) return next;
+  /* A line end that moves next changes the errors. Until all settle, an earlier
+     mask is then no alternative: its parts may not move again. */
+  int late = !t->settled && ends_moved(f->gates, s->end, f->next_end + 2 * i);
+  if (!late && s->best_size <= hope && !biases_equal(s->best, stay))
+    return s->best;
   double least_gain =
       corrects_ioff(t) || s->size > newton_ion_limit(t) ? 1 : tuned.worthwhile;
   if (!biases_equal(next, stay) && hope <= least_gain * s->size) return next;
@@ -254,7 +261,8 @@ static int newton_is_done(newton *t, int64_t print) {
   for (size_t i = 0; i < t->count; i++) {
     const transistor *s = &t->state[i];
     double weight = fmin(t->goal[i].weight, 1);
-    double size = weight > 0 && s->failed ? INFINITY : s->size * weight;
+    int bad = s->failed || width_is_short(t, s);
+    double size = weight > 0 && bad ? INFINITY : s->size * weight;
     worst = fmax(worst, size);
     mean += size / (double)t->count;
     drifted |= has_drifted(t, s, weight);

@@ -70,8 +70,7 @@ typedef struct change {
   double dx[MOVES], de[ERRORS];
 } change;
 
-/* Return whether the line ends a and b, [2] each, differ significantly. */
-static int ends_moved(const eda_gates *g, const int32_t *a, const int32_t *b) {
+int ends_moved(const eda_gates *g, const int32_t *a, const int32_t *b) {
   return abs(a[0] - b[0]) * g->grid > tuned.still ||
          abs(a[1] - b[1]) * g->grid > tuned.still;
 }
@@ -196,10 +195,38 @@ double width_limit(const transistor *s) {
   return s->outward_limit[0] + s->outward_limit[1];
 }
 
+double width_least(const transistor *s) {
+  return s->inward_limit[0] + s->inward_limit[1];
+}
+
 int32_t width_aside(const transistor *s, int32_t w) {
-  int32_t low = w >> 1, high = w - low; /* divided as in eda_moves */
-  int32_t up = low - s->outward_limit[0], down = high - s->outward_limit[1];
-  return up > 0 ? up : down > 0 ? -down : 0;
+  int32_t half = w >> 1; /* divided as in eda_moves */
+  int32_t least = MAX(s->inward_limit[0], w - s->outward_limit[1]);
+  int32_t most = MIN(s->outward_limit[0], w - s->inward_limit[1]);
+  return half - MIN(MAX(half, least), most);
+}
+
+int width_is_short(const newton *t, const transistor *s) {
+  int32_t at[2];
+  ends_of(s->valid, at);
+  return !t->settled &&
+         (at[0] < s->inward_limit[0] || at[1] < s->inward_limit[1]);
+}
+
+/* Hold the ends of the width after the regulator has vetoed a narrower gate,
+   because an end moved inwards too far. Half of the move since the last mask
+   without the veto remains. The present mask is not the best one. */
+static void width_hold_ends(transistor *s, uint32_t veto) {
+  int32_t at[2];
+  ends_of(s->now, at);
+  if (!(veto & EDA_VETO_NARROWER)) {
+    memcpy(s->free_end, at, sizeof at);
+    return;
+  }
+  for (int high = 0; high < 2; high++)
+    if (at[high] < s->free_end[high])
+      s->inward_limit[high] = at[high] + (s->free_end[high] - at[high] + 1) / 2;
+  if (biases_equal(s->now, s->best)) s->best_size = INFINITY;
 }
 
 /* Limit the ends of the width to the region where the printed length does not
@@ -223,9 +250,9 @@ static void bound_ends(const newton *t, transistor *s, const eda_feedback *f,
                                   tuned.thin_end[0] / leak)
                  : 0;
     /* Keep an end without a thin strip, and an end that is thin all over. */
-    if (!thin || thin == range) continue;
-    *to = at[high] - thin;
-    s->given += thin;
+    if (thin && thin < range) *to = at[high] - thin;
+    *to = MAX(*to, s->inward_limit[high]);
+    if (thin && thin < range) s->given += MAX(at[high] - *to, 0);
   }
   /* The narrower gate is expected to leak as drawn. */
   if (s->given) s->error[IOFF] = 0;
@@ -290,6 +317,7 @@ static void transistor_update(const newton *t, transistor *s,
   else
     s->tries += (uint8_t)moved;
   keep_best(s, f->flags[i], first);
+  width_hold_ends(s, f->vetoes[i]);
   if (corrects_ioff(t) && f->iteration >= tuned.shapes[BALANCED])
     bound_ends(t, s, f, i);
 }
@@ -310,6 +338,7 @@ static void newton_start(newton *t, const eda_feedback *f) {
     s->trust.radius = tuned.longest / f->gates->grid;
     s->print_limit[0] = s->print_limit[1] = s->outward_limit[0] =
         s->outward_limit[1] = (int32_t)ceil(t->max_bias / 2 / f->gates->grid);
+    s->inward_limit[0] = s->inward_limit[1] = -INT32_MAX / 4;
     if (s->failed) continue;
     if (ends_moved(f->gates, s->end, f->next_end + 2 * i)) {
       double before = s->error[ION];

@@ -68,6 +68,9 @@ typedef struct transistor {
                                prints */
   int32_t outward_limit[2]; /* print_limit, also limited to the region where the
                                printed length does not leak */
+  int32_t inward_limit[2];  /* least outward moves of both ends; 0 and less */
+  int32_t free_end[2];      /* outward moves of both ends in the last mask that
+                               the regulator allowed to be narrower */
   int32_t given;            /* grid steps by which bound_ends narrows W */
   int32_t end[2];           /* line ends of the last simulated mask */
   double uncertainty;       /* uncertainty of the next log Ion due to line ends,
@@ -140,6 +143,9 @@ double parts_length(const newton *t, size_t i, const parts *of, biases b);
    for all transistors of a type. */
 double length_gain(const transistor *s);
 
+/* Return whether the line ends a and b, [2] each, differ significantly. */
+int ends_moved(const eda_gates *g, const int32_t *a, const int32_t *b);
+
 /* Return whether W moves to correct Ioff. */
 int corrects_ioff(const newton *t);
 
@@ -153,8 +159,15 @@ void moves_free(const newton *t, int free[MOVES]);
 /* Return the largest W whose ends are within their limits, grid steps. */
 double width_limit(const transistor *s);
 
+/* Return the least W whose ends are within their limits, grid steps. */
+double width_least(const transistor *s);
+
+/* Return whether an end of the last mask is further in than its limit while W
+   may move. */
+int width_is_short(const newton *t, const transistor *s);
+
 /* Return the shift of both ends of the width towards HIGH, grid steps, at a
-   width bias `w`: if one end is at its limit, the other end moves further. */
+   width bias `w`: if one end is at a limit, the other end moves further. */
 int32_t width_aside(const transistor *s, int32_t w);
 
 /* Update the state of all transistors from the simulated mask of `moves`. */
