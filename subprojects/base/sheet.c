@@ -254,14 +254,19 @@ static gboolean needs_mark(const char *text) {
 }
 
 static void append_field(GString *out, const char *text) {
-  g_autoptr(GString) cell = g_string_new(needs_mark(text) ? "'" : NULL);
-  gboolean marked = cell->len > 0;
+  gboolean marked = needs_mark(text);
+  if (!marked && !strpbrk(text, ",\"\r\n")) {
+    g_string_append(out, text);
+    return;
+  }
+  g_autoptr(GString) cell = g_string_new(marked ? "'" : NULL);
   for (; *text; text++)
-    if (marked && is_control(*text))
+    if (marked && is_control(*text)) {
       g_string_append_printf(cell, "\\x%02x", *text);
-    else
-      g_string_append_printf(cell, marked && *text == '\\' ? "\\%c" : "%c",
-                             *text);
+    } else {
+      if (marked && *text == '\\') g_string_append_c(cell, '\\');
+      g_string_append_c(cell, *text);
+    }
   gboolean quoted = strpbrk(cell->str, ",\"\r\n") != NULL;
   g_string_replace(cell, "\"", "\"\"", 0);
   g_string_append_printf(out, quoted ? "\"%s\"" : "%s", cell->str);
