@@ -71,6 +71,12 @@ static void sum_neighbour(const eda_chip_gate *g, const eda_chip_gate *o,
   sum[1] += one[1];
 }
 
+/* Return 1 for the only transistor of a class, while representatives are
+   chosen. */
+static int is_single(const work *w, size_t i) {
+  return w->members && w->members[w->chip->gate[i].mask] == 1;
+}
+
 /* The sums include transistor i itself. */
 static void sum_up(const band *s, size_t i) {
   const eda_chip *c = s->work->chip;
@@ -87,7 +93,8 @@ static void sum_some(void *data, size_t part) {
   const band *s = data;
   size_t first = s->begin + part * SUMS_AT_ONCE,
          end = MIN(first + SUMS_AT_ONCE, s->end);
-  for (size_t i = first; i < end; i++) sum_up(s, i);
+  for (size_t i = first; i < end; i++)
+    if (!is_single(s->work, i)) sum_up(s, i);
 }
 
 /* Return the number of transistors whose lower edge is below y. */
@@ -147,6 +154,7 @@ void prints_find(work *w) {
   for (size_t i = 0; i < c->count;) {
     band s = band_sum(w, i);
     for (; i < s.end; i++) {
+      if (is_single(w, i)) continue;
       const uint8_t *sum = s.sum[i - s.begin];
       guint k = GPOINTER_TO_UINT(g_hash_table_lookup(w->prints, sum));
       if (!k) add_print(w, sum, (uint32_t)i);

@@ -80,6 +80,8 @@ struct division {
   drawn_print *before; /* [masks], figures with all edges as drawn */
   alone *alone;        /* [masks], NULL without cells */
   uint32_t *kind;      /* [classes], cells_kind of the representative */
+  /* [classes], number of members while representatives are chosen; else NULL */
+  const uint32_t *members;
 
   /* Classes of equal masked environments, called prints. */
   class_result *print;   /* [chip->prints] */
@@ -124,7 +126,8 @@ int correct_prints(work *work, const uint32_t *prints, size_t n,
                    opc_error *error);
 
 /* Set the print of each transistor according to its masked environment within
-   `margin`. New prints have no figures yet. (verification.c) */
+   `margin`. New prints have no figures yet. With `members`, the only member of
+   a class gets no print. (verification.c) */
 void prints_find(work *work);
 /* Remove all prints and their figures. */
 void prints_clear(work *work);
