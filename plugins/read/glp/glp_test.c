@@ -51,7 +51,7 @@ static double area(const eda_layout *layout, const char *layer) {
 
 static const char good[] =
     "BEGIN     /* by hand */\r\n"
-    "EQUIV  1  500  MICRON  +X,+Y\n"
+    "EQUIV  2  1000  MICRON  +X,+Y\n"
     "CNAME T\nLEVEL M1\n\nCELL T PRIME\n"
     "   RECT N M1  10 -20  30  40   /* a box */\n"
     "\tPGON N V1  0 0  5 0  5 5  0 5\n"

@@ -342,6 +342,34 @@ static void test_heading(void) {
   cairo_surface_destroy(s);
 }
 
+/* A text that is too wide ends in "...". An .svg file has an element for each
+   character, with the number of its glyph and its position. */
+static void test_truncated(void) {
+  static const char use[] = "<use xlink:href=\"#glyph0-";
+  opc_error error;
+  g_autofree char *path = path_of("truncated.svg");
+  eda_paper *paper = eda_paper_open(path, 200, 40, 10, &error);
+  g_assert_nonnull(paper);
+  cairo_text_extents_t fits;
+  cairo_text_extents(paper->cairo, "abc...", &fits);
+  eda_text(paper, 20, 15, EDA_LEFT, INFINITY, "abc.defgh");
+  eda_text(paper, 20, 30, EDA_LEFT, fits.x_advance + 0.5, "abc.defgh");
+  g_assert_cmpint(eda_paper_close(paper, OPC_OK, &error), ==, OPC_OK);
+  g_autofree char *text = NULL;
+  g_assert_true(g_file_get_contents(path, &text, NULL, NULL));
+  long glyph[15];
+  const char *at = text;
+  for (int i = 0; i < 15; i++) {
+    at = strstr(at, use);
+    g_assert_nonnull(at);
+    at += strlen(use);
+    glyph[i] = strtol(at, NULL, 10);
+  }
+  g_assert_null(strstr(at, use));
+  for (int i = 0; i < 6; i++)
+    g_assert_cmpint(glyph[9 + i], ==, glyph[MIN(i, 3)]);
+}
+
 static void test_refused(void) {
   opc_error error;
   g_assert_cmpint(eda_paper_check("a.jpg", "file", &error), ==, OPC_INVALID);
@@ -370,6 +398,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/chart/colours", test_colours);
   g_test_add_func("/chart/signs", test_signs);
   g_test_add_func("/chart/heading", test_heading);
+  g_test_add_func("/chart/truncated", test_truncated);
   g_test_add_func("/chart/refused", test_refused);
   int code = g_test_run();
   GDir *dir = g_dir_open(folder, 0, NULL);
