@@ -319,7 +319,7 @@ static void test_derivatives(void) {
 }
 
 /* Test that two parallel branches of nearly equal delay are both paths of the
-   output. */
+   latest output, which is not the first one. */
 static void test_critical(void) {
   opc_error error;
   eda_circuit circuit;
@@ -328,17 +328,16 @@ static void test_critical(void) {
   memcpy(weq, (double[]){200, 300}, sizeof weq);
   memcpy(area, (double[]){60 * 200, 60 * 300}, sizeof area);
   eda_timing *t = library();
-  assert_good(run_paths(t, "a b z",
+  assert_good(run_paths(t, "a b y z",
                         "XU1 a m VDD VSS INV\nXU2 b n VDD VSS INV\n"
-                        "XU3 m n z VDD VSS NAND2\n",
+                        "XU3 m n z VDD VSS NAND2\nXU4 a y VDD VSS INV\n",
                         ", slew: 8 ps, load: 4 fF", &circuit, mask, &error),
               &error);
   int from[2] = {0, 0};
   for (size_t i = 0; i < sensed->paths; i++) {
     const eda_delay_path *p = &sensed->path[i];
-    g_assert_cmpstr(p->to, ==, "z");
     if (i) g_assert_cmpfloat(p->delay.time, <=, p[-1].delay.time);
-    from[!strcmp(p->from, "b")]++;
+    from[!strcmp(p->from, "b")] += !strcmp(p->to, "z");
   }
   g_assert_cmpint(from[0], >, 0);
   g_assert_cmpint(from[1], >, 0);

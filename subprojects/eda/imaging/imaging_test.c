@@ -91,17 +91,23 @@ static void test_spectrum(void) {
   g_assert_cmpfloat(worst, <, 1e-5);
 }
 
+/* Results are zeroed. */
 static void test_bad_frame(void) {
+  const eda_spectrum zero = {0};
   eda_shapes none = {0};
   eda_spectrum s;
   opc_error error;
+  memset(&s, 1, sizeof s);
   int code = eda_mask_spectrum(context, &none, 1, (eda_frame){0, 0, 0, 100},
                                0.007, &s, &error);
   g_assert_cmpint(code, ==, OPC_INVALID);
+  g_assert_cmpmem(&s, sizeof s, &zero, sizeof zero);
+  memset(&s, 1, sizeof s);
   code = eda_mask_spectrum(context, &none, 1, (eda_frame){0, 0, 1e9, 1e9},
                            0.007, &s, &error);
   g_assert_cmpint(code, ==, OPC_INVALID);
   g_assert_nonnull(strstr(error.message, "too large"));
+  g_assert_cmpmem(&s, sizeof s, &zero, sizeof zero);
 }
 
 /* ---- images ---- */
