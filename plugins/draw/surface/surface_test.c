@@ -93,6 +93,7 @@ static void test_map(void) {
   g_assert_cmpint(cairo_image_surface_get_width(p), ==, 1000);
   cells c = find_cells(p);
   g_assert_cmpfloat(c.width, >, 700);
+  g_assert_cmpfloat(c.left, >, 40); /* the labels of the axis */
   for (int i = 0; i < 6; i++)
     for (int k = 0; k < 6; k++)
       if (figure[i] < figure[k])
