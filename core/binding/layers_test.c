@@ -508,6 +508,31 @@ static void test_bounds(void) {
   g_string_free(many, TRUE);
 }
 
+/* The first 999 values of an axis and the last value are checked. */
+static void test_long_axis(void) {
+  static const struct {
+    int at; /* index of the value that is no length, of 1010 */
+    const char *problem;
+  } cases[] = {{998, "'y'"}, {999, NULL}, {1008, NULL}, {1009, "'y'"}};
+  for (size_t k = 0; k < G_N_ELEMENTS(cases); k++) {
+    g_autoptr(GString) text = g_string_new(STEP "sweep:\n  a.size: [");
+    for (int i = 0; i < 1010; i++)
+      g_string_append(text, i == cases[k].at ? "y, " : "2 nm, ");
+    g_string_append(text, "]\n");
+    write_file("flow.yaml", text->str);
+    g_autoptr(opc_problems) problems = opc_problems_new();
+    g_autoptr(opc_recipe) recipe = opc_recipe_read("flow.yaml", problems);
+    g_assert_nonnull(recipe);
+    g_autoptr(opc_sweep) sweep =
+        opc_sweep_new(recipe, NULL, NULL, NULL, problems);
+    const opc_choice choice = {.sweep = sweep};
+    opc_flow_check(recipe, &choice, registry(), NULL, problems);
+    g_assert_cmpuint(problems->list->len, ==, cases[k].problem ? 1 : 0);
+    g_autofree char *found = opc_problems_text(problems);
+    if (cases[k].problem) g_assert_nonnull(strstr(found, cases[k].problem));
+  }
+}
+
 int main(int argc, char **argv) {
   g_test_init(&argc, &argv, NULL);
   g_autofree char *folder = g_dir_make_tmp("opcflow-XXXXXX", NULL);
@@ -516,6 +541,7 @@ int main(int argc, char **argv) {
   g_test_add_func("/layers/chains", test_chains);
   g_test_add_func("/layers/removing", test_removing);
   g_test_add_func("/layers/variants", test_variants);
+  g_test_add_func("/layers/long-axis", test_long_axis);
   g_test_add_func("/layers/inherited", test_inherited);
   g_test_add_func("/layers/wrong-variants", test_wrong_variants);
   g_test_add_func("/layers/grid", test_grid);

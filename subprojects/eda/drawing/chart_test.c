@@ -97,8 +97,10 @@ static void test_field(void) {
   eda_axis_label(&c.y, labels, 2);
   eda_chart_field(&c, &of, figures);
   eda_chart_band(&c, red, x, low, high, 3);
+  eda_ring(paper, 30, 30); /* outside of the chart */
   g_assert_cmpint(eda_paper_close(paper, OPC_OK, &error), ==, OPC_OK);
   cairo_surface_t *s = cairo_image_surface_create_from_png(path);
+  g_assert_true(is_near(pixel(s, 38, 30), 0xd94019));
   /* The cells are 200 pixels wide and 150 high; the second row is above. */
   uint32_t least = pixel(s, 180, 330), most = pixel(s, 180, 100),
            middle = pixel(s, 380, 60);
