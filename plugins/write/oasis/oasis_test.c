@@ -188,6 +188,7 @@ static void test_end(void) {
   g_assert_cmpint(bytes[n - 256], ==, EDA_OASIS_END);
   g_assert_cmpint(bytes[n - 255], ==, 1);
   g_assert_cmpint(bytes[bytes[n - 254]], ==, EDA_OASIS_CELLNAME);
+  for (gsize i = n - 205; i < n - 5; i++) g_assert_cmpint(bytes[i], ==, 0);
   g_assert_cmpint(bytes[n - 5], ==, EDA_OASIS_CRC32);
   uint32_t sum = (uint32_t)crc32(0, bytes, (uInt)n - 4);
   for (gsize i = 0; i < 4; i++)
