@@ -201,8 +201,14 @@ int correct_control_width(const control_rules *r, control *c,
   int32_t step = width_step(r, c, in, *w), most = most_w(r, in);
   if (step > most - *w) step = most - *w;
   if (step < -most - *w) step = -most - *w;
-  if (!step || in->veto & veto_of_w(step)) {
-    control_settle(c, step ? CONTROL_BRIDGING : CONTROL_BIAS);
+  if (!step) {
+    control_settle(c, CONTROL_BIAS);
+    return 0;
+  }
+  if (in->veto & veto_of_w(step)) {
+    /* The regulator may withdraw the veto after a repair. */
+    c->verdict = CONTROL_BRIDGING;
+    c->w = 0;
     return 0;
   }
   c->w = step;

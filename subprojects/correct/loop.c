@@ -116,14 +116,15 @@ int correct_loop_refine(loop *l, opc_error *error) {
 static int loop_judge(loop *l, int smooth, opc_error *error);
 
 /* Build the masks of changed layers of `next`, or of all, and copy `next` to
-   `now`. The regulator repairs the mask rules of changed masks. Set printed[k]
-   of the built layers. */
-static int make_masks(loop *l, int all, uint8_t *printed, opc_error *error) {
+   `now`. `smooth`: the regulator repairs the mask rules of changed masks. Set
+   printed[k] of the built layers. */
+static int make_masks(loop *l, int all, int smooth, uint8_t *printed,
+                      opc_error *error) {
   enum { PASSES = 8 }; /* a repair may require the next; most masks need 2 */
   const eda_regulator *r = l->regulator ? l->regulator->functions : NULL;
   size_t layers = l->gates->layers;
   uint8_t *fresh = eda_alloc(layers, 1);
-  int smooths = !all && r && r->smooth, again = 1, code = OPC_OK;
+  int smooths = smooth && r && r->smooth, again = 1, code = OPC_OK;
   for (int pass = 0; again && !code && pass <= PASSES; pass++) {
     if (pass) code = loop_judge(l, 1, error);
     again = 0;
@@ -140,9 +141,9 @@ static int make_masks(loop *l, int all, uint8_t *printed, opc_error *error) {
   return code;
 }
 
-int correct_loop_print(loop *l, int all, opc_error *error) {
+static int loop_print(loop *l, int all, int smooth, opc_error *error) {
   uint8_t *printed = eda_alloc(l->gates->layers, 1);
-  int code = make_masks(l, all, printed, error);
+  int code = make_masks(l, all, smooth, printed, error);
   if (!code) code = eda_printer_print(&l->printer, printed, l->mask, error);
   if (!code) code = correct_corners_print(l, printed, error);
   if (!code)
@@ -150,6 +151,10 @@ int correct_loop_print(loop *l, int all, opc_error *error) {
                                             : take_in(l, printed, 0, error);
   free(printed);
   return code;
+}
+
+int correct_loop_print(loop *l, int all, opc_error *error) {
+  return loop_print(l, all, 0, error);
 }
 
 /* ---- calls of plugins ---- */
@@ -416,7 +421,7 @@ static int all_done(const loop *l) {
 static int loop_iterate(loop *l, opc_error *error) {
   int code = OPC_OK;
   int64_t prints = 0;
-  for (; !code; code = correct_loop_print(l, 0, error)) {
+  for (; !code; code = loop_print(l, 0, 1, error)) {
     if (loop_is_cancelled(l))
       return opc_fail(error, OPC_CANCELLED, NULL, "stopped");
     if ((code = loop_judge(l, 0, error))) return code;

@@ -99,7 +99,8 @@ OPC_EXPORT void correct_loop_init(loop *loop, const opc_host *host,
 OPC_EXPORT int correct_loop_run(loop *loop, opc_error *error);
 
 /* Copy the mask `next` to `now`, then simulate and measure `now`. Do not
-   simulate layers whose mask is unchanged, unless `all` is 1. */
+   simulate layers whose mask is unchanged, unless `all` is 1. The regulator
+   does not repair the mask, which the caller has chosen. */
 OPC_EXPORT int correct_loop_print(loop *loop, int all, opc_error *error);
 
 /* Simulate `now` with the accurate model and measure the result. Do not
