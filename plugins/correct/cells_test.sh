@@ -81,5 +81,19 @@ for wait in 0.01 0.05 0.1 0.15 0.2; do
 done
 run
 check "after kills, the mask is the same" cmp -s "$work/mask.gds" "$out/mask.gds"
+
+# A placed transistor that deviates by less than max_diff, but by more than as drawn, is refined.
+name="a refined layout has no transistor that is worse than drawn"
+c17=${OPCFLOW_TEST_DATA:-$OPCFLOW_SOURCE/../shared/data}/iscas85/c17/c17.gds
+if [ -f "$c17" ]; then
+  out=$work/run
+  "$opcflow" run "$OPCFLOW_SOURCE/flows/library-methods.yaml" --variant dpb_2 --force --output "$out" \
+    --set "layout.file=$c17" --set layout.scale=1.3 --set layout.layers.outline=235/0 \
+    --set mask.neighbours=outline >"$work/log" 2>&1
+  check "$name" is worse 0.0
+else
+  number=$((number + 1))
+  echo "ok $number $name # SKIP $c17 is missing"
+fi
 echo "1..$number"
 exit $failed

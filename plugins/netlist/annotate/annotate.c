@@ -131,11 +131,13 @@ static const opc_metric metrics[] = {
 static int annotate_check(void *self, opc_error *error) {
   const annotator *s = self;
   const char *names[2] = {s->n_model, s->p_model};
-  for (int type = 0; type < 2; type++)
-    for (const char *at = names[type]; at && *at; at++)
-      if (!g_ascii_isgraph(*at) || strchr("=(),;'\"", *at))
-        return opc_fail(error, OPC_INVALID, type ? "pmos" : "nmos",
-                        "'%s' is not a model name", names[type]);
+  for (int type = 0; type < 2; type++) {
+    const char *at = names[type];
+    while (at && g_ascii_isgraph(*at) && !strchr("=(),;'\"", *at)) at++;
+    if (at && (*at || at == names[type]))
+      return opc_fail(error, OPC_INVALID, type ? "pmos" : "nmos",
+                      "'%s' is not a model name", names[type]);
+  }
   return OPC_OK;
 }
 

@@ -235,6 +235,7 @@ static void test_refused(void) {
   mask.gates = &other;
   assert_refused("", 1, "the mask and the circuit belong to different gates");
   mask.gates = circuit.gates;
+  assert_refused(", nmos: ''", 0, "*'' is not a model name");
   assert_refused(", nmos: 'n m'", 0, "*'n m' is not a model name");
   assert_refused(", pmos: \"p\\nm\"", 0, "*is not a model name");
   refused_card("*\n", "'*bad.sp' has no model 'nmos'");

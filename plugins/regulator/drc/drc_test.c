@@ -267,6 +267,13 @@ static void test_back(void) {
     fixture_rule(m, &f);
     g_assert_cmpint(f.end[1], ==, back + 2);
   }
+  /* A line end that merges wherever it is beyond the drawn one stays there. */
+  p.extension = f.extension;
+  for (int i = 0; i < 40; i++) {
+    p.print = f.end[1] > 0 ? print : NULL;
+    g_assert_cmpint(r->rule(m->self, &p, &ruling, &error), ==, OPC_OK);
+    if (i > 30) g_assert_cmpint(f.end[1], ==, 0);
+  }
   for (int layer = 0; layer < LAYERS; layer++) eda_field_clear(&print[layer]);
 }
 

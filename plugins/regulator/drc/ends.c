@@ -190,7 +190,7 @@ int ends_revert(drc *r, const site *wrong, int32_t *bias) {
   }
   int32_t to = one->length.bias > step ? one->length.bias - step : 0;
   if (one->length.bias <= 0) return 0;
-  one->most = to + step / 2;
+  one->most = to + (one->length.bias - to) / 2;
   if (bias[end] > to) bias[end] = to;
   one->by = bias[end];
   return 1;

@@ -76,6 +76,17 @@ static void add_owner(beginning *b, size_t *capacity, size_t *count, size_t i) {
   }
 }
 
+/* Return the |Ion deviation|, %, up to which a transistor keeps its mask: its
+   limit, or less if the drawn mask deviates by less. */
+static double placed_limit(const work *w, uint32_t mask) {
+  const alone *a = &w->alone[mask];
+  const drawn_print *before = &w->before[mask];
+  double limit = mask_limit(w, mask);
+  if (!a->known || eda_print_failed(before->flags)) return limit;
+  double drawn = fabs(eda_deviation(before->figures.ion, a->result.design.ion));
+  return fmin(limit, fmax(drawn, w->with->ion_limit));
+}
+
 /* Start from the masks of all transistors. A transistor that the loop may
    correct keeps its mask until its deviation exceeds its limit. */
 static void begin_placed(const correction *m, const sheet *s, uint8_t *still,
@@ -91,7 +102,7 @@ static void begin_placed(const correction *m, const sheet *s, uint8_t *still,
     const eda_chip_gate *g = &w->chip->gate[s->of[i]];
     eda_chip_move(w->chip, s->of[i], s->gates->box[i], out->mask->moved, i);
     add_owner(out, capacity, count, i);
-    out->limit[i] = still[i] ? INFINITY : mask_limit(w, g->mask);
+    out->limit[i] = still[i] ? INFINITY : placed_limit(w, g->mask);
   }
   align_boxes(w->chip, s->gates, out->mask->moved);
   for (size_t i = 0; i < n; i++) {

@@ -74,8 +74,9 @@ typedef struct eda_regulator {
   /* Optional. Repair the mask rules of a mask that is not simulated yet,
      without a check of `printed->print`, which is that of the last simulated
      mask. Write `added` and `cutouts` of the mask; ignore `vetoes` and `end`.
-     The function is called after `rule` with the same iteration, again after
-     each change of the mask. Since 0.9. [main] */
+     The function is called after `rule` and the moves of the synthesizers, with
+     the iteration of the next `rule`, and again after each change of the mask,
+     at most 8 times. Since 0.9. [main] */
   int (*smooth)(void *self, const eda_printed *printed, eda_ruling *ruling,
                 opc_error *error);
   OPC_MAY_GROW
