@@ -70,6 +70,7 @@ static const struct {
     {"bad.regulator_ends",
      "rule: moves the line end of transistor 1 by 16777216"},
     {"bad.regulator_vetoes", "rule: writes beyond the array of vetoes"},
+    {"bad.regulator_smooth", "smooth: writes beyond the array of vetoes"},
 };
 
 /* Return the expected finding of a plugin of `bad`; NULL for other plugins. */

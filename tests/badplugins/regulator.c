@@ -20,6 +20,13 @@ static int bad_rule(void *self, const eda_printed *printed, eda_ruling *ruling,
   return fault_apply();
 }
 
+static int bad_smooth(void *self, const eda_printed *printed,
+                      eda_ruling *ruling, opc_error *error) {
+  (void)self, (void)error;
+  if (fault_is("smooth")) ruling->vetoes[printed->gates->count] = 0;
+  return OPC_OK;
+}
+
 /* Return a text without a terminating zero. */
 static const char *endless(void) {
   static char text[4096];
@@ -45,7 +52,7 @@ static int bad_violations(void *self, const eda_printed *printed,
   return OPC_OK;
 }
 
-static const eda_regulator functions = {.rule = bad_rule,
-                                        .violations = bad_violations};
+static const eda_regulator functions = {
+    .rule = bad_rule, .smooth = bad_smooth, .violations = bad_violations};
 
 BAD_PLUGIN("regulator", functions);

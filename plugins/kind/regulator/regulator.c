@@ -31,6 +31,13 @@ static int forward_rule(void *self, const eda_printed *printed,
   return *shim->code = o->rule(shim->plugin->self, printed, ruling, error);
 }
 
+static int forward_smooth(void *self, const eda_printed *printed,
+                          eda_ruling *ruling, opc_error *error) {
+  const try_shim *shim = self;
+  const eda_regulator *o = shim->plugin->functions;
+  return *shim->code = o->smooth(shim->plugin->self, printed, ruling, error);
+}
+
 static int forward_violations(void *self, const eda_printed *printed,
                               eda_violation *list, size_t most, size_t *count,
                               opc_error *error) {
@@ -41,10 +48,12 @@ static int forward_violations(void *self, const eda_printed *printed,
 }
 
 static const eda_regulator forwards = {.rule = forward_rule,
-                                       .violations = forward_violations};
+                                       .violations = forward_violations,
+                                       .smooth = forward_smooth};
 
+/* Call rule, or smooth if `smooth` is 1. Return 1 if the call succeeds. */
 static int try_rule(opc_inspector *in, const opc_module *m,
-                    const eda_printed *printed) {
+                    const eda_printed *printed, int smooth) {
   const eda_gates *g = printed->gates;
   uint32_t vetoes[GATES] = {0};
   int32_t end[2 * GATES] = {0};
@@ -57,8 +66,9 @@ static int try_rule(opc_inspector *in, const opc_module *m,
   int own = OPC_OK;
   const try_shim shim = {m, &own};
   const opc_module shown = {&forwards, (void *)&shim, m->id};
-  int code = eda_call_rule(in->context, &shown, printed, 0, &ruling, &error);
-  int good = try_call(in, "rule", own, code, &error);
+  int code =
+      eda_call_rule(in->context, &shown, printed, smooth, &ruling, &error);
+  int good = try_call(in, smooth ? "smooth" : "rule", own, code, &error);
   if (good) {
     in->add(in, vetoes, sizeof vetoes);
     in->add(in, end, sizeof end);
@@ -132,7 +142,9 @@ static void exercise(const opc_module *m, opc_inspector *in) {
                                .extension = extension,
                                .shapes = g->drawn,
                                .print = print};
-  if (print_drawn(in, g, print) && try_rule(in, m, &printed))
+  const eda_regulator *r = m->functions;
+  if (print_drawn(in, g, print) && try_rule(in, m, &printed, 0) &&
+      (!r->smooth || try_rule(in, m, &printed, 1)))
     try_violations(in, m, &printed);
   for (size_t k = 0; k < g->layers; k++) eda_field_clear(&print[k]);
   free(print);

@@ -226,9 +226,9 @@ void ends_find(drc *r);
    displacement, on return the next displacement. */
 void ends_advance(drc *r, const eda_printed *p, size_t end, int32_t *bias);
 /* If a failing site is beyond an end of the nearest gate's width, reduce the
-   head or the displacement of the line end at that end. Both are limited from
-   then on. `bias`: displacements of all line ends. Return 1 if the line end was
-   reduced. */
+   head or the displacement of the line end at that end. From then on, the head
+   grows no more, and the displacement by at most half of its reduction. `bias`:
+   displacements of all line ends. Return 1 if the line end was reduced. */
 int ends_revert(drc *r, const site *wrong, int32_t *bias);
 /* Add the shapes of all heads to the ruling. */
 void ends_add_heads(drc *r);

@@ -18,6 +18,14 @@ static void box(eda_layout *layout, int32_t cell, const char *layer, int32_t x0,
 
 enum { ROW = 4, PITCH = 2000 };
 
+/* Return a layout with an empty cell TOP, grid 1 nm. */
+static eda_layout *top_new(void) {
+  opc_error e;
+  eda_layout *layout = eda_layout_new(1, &e);
+  eda_layout_cell(layout, "TOP", &e);
+  return layout;
+}
+
 /* Draw a marker over the gates a .. b of row_new. */
 static void row_mark(eda_layout *layout, const char *layer, int a, int b) {
   box(layout, 0, layer, PITCH * a - 200, -200, PITCH * b + 900, 800);
@@ -27,8 +35,7 @@ static void row_mark(eda_layout *layout, const char *layer, int a, int b) {
    and 2, N on 2 and 3, PART on a part of gate 0, and no shape on EMPTY. */
 static eda_layout *row_new(void) {
   opc_error e;
-  eda_layout *layout = eda_layout_new(1, &e);
-  eda_layout_cell(layout, "TOP", &e);
+  eda_layout *layout = top_new();
   for (int i = 0; i < ROW; i++) {
     box(layout, 0, "active", PITCH * i, 0, PITCH * i + 750, 600);
     box(layout, 0, "poly", PITCH * i + 300, -150, PITCH * i + 450, 750);
@@ -140,8 +147,7 @@ static void test_types(void) {
     opc_error e;
     eda_gates *g;
     eda_segment_report report;
-    eda_layout *layout = eda_layout_new(1, &e);
-    eda_layout_cell(layout, "TOP", &e);
+    eda_layout *layout = top_new();
     box(layout, 0, "active", 0, 0, 750, 600);
     box(layout, 0, "poly", 300, -150, 450, 750);
     g_auto(GStrv) words = g_strsplit(cases[k].layers, " ", -1);
@@ -190,8 +196,7 @@ static void test_crossings(void) {
     opc_error e;
     eda_gates *g;
     eda_segment_report report;
-    eda_layout *layout = eda_layout_new(1, &e);
-    eda_layout_cell(layout, "TOP", &e);
+    eda_layout *layout = top_new();
     box(layout, 0, "nwell", 5000, 0, 5100, 100);
     for (int i = 0; i < 4; i++) {
       eda_box p = cases[k].poly[i], a = cases[k].active[i];
