@@ -189,16 +189,15 @@ static void test_concave_corner(void) {
   g_assert_cmpuint(before, >, 0);
 }
 
-/* Return an active whose lower and upper edges are the ends of a gate width. */
-static chip width_chip(void) {
+/* Draw an active whose lower and upper edges are the ends of a gate width. */
+static void width_chip(chip *c) {
   static uint32_t start[] = {0, 4};
   static eda_fragment active[] = {{{0, 0}, 0, EDA_W_LOW},
                                   {{106, 0}, -1, EDA_FIXED},
                                   {{106, 140}, 0, EDA_W_HIGH},
                                   {{0, 140}, -1, EDA_FIXED}};
-  chip c = {.edges[EDA_ACTIVE] = {1, start, active}};
-  add_box(&c.drawn[EDA_ACTIVE], 0, 0, 106, 140);
-  return c;
+  *c = (chip){.edges[EDA_ACTIVE] = {1, start, active}};
+  add_box(&c->drawn[EDA_ACTIVE], 0, 0, 106, 140);
 }
 
 /* The lower and upper edges of an active are the ends of a gate width. The
@@ -212,7 +211,8 @@ static void test_width(void) {
                {-150, 0, 75, 65}};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_autoptr(opc_module) m = drc_make("{ overlay: 10 nm }");
-    chip c = width_chip();
+    chip c;
+    width_chip(&c);
     add_box(&c.drawn[CONTACT], 20, 30, 100, 110);
     add_box(&c.printed[EDA_ACTIVE], -10, -10, 104, 150);
     chip_show(&c);
@@ -243,7 +243,8 @@ static void test_width_veto(void) {
                {-6, 0, 400, 0}};
   for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
     g_autoptr(opc_module) m = drc_make("{ overlay: 10 nm, min_space: 40 nm }");
-    chip c = width_chip();
+    chip c;
+    width_chip(&c);
     add_box(&c.drawn[EDA_POLY], 0, cases[i].poly, 106, 500);
     add_box(&c.drawn[CONTACT], 20, 30, 80, 110);
     add_box(&c.printed[EDA_ACTIVE], -10, -10, 104, 115);
